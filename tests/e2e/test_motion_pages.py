@@ -8,12 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 import yaml
 from playwright.sync_api import expect
 from tests.e2e.robot_in_3d import changed, drawn, listen, picture, wait_until_drawn
 from tests.e2e.test_studies_page import drop
-from tests.motion.captures import bow, bvh
+from tests.motion.captures import bow, bvh, knee
 from tests.motion.robots import arm_folder, sample_folder
 
 from exogauge.client import Client
@@ -94,7 +95,8 @@ def test_a_dropped_capture_becomes_a_motion_of_a_robot(
         page.get_by_role("link", name="CSV: t, q.joint").click()
     assert Path(got.value.path()).read_text().startswith("t,q.")
 
-    page.get_by_role("switch", name="In 3D").check()
+    page.get_by_role("switch", name="In 3D").click()  # the address follows, then the switch: a moment later
+    expect(page.get_by_role("switch", name="In 3D")).to_be_checked()
     wait_until_drawn(page)
     expect(page.get_by_text("at least", exact=False).first).to_be_visible()
     page.locator("iframe").scroll_into_view_if_needed()  # what is not seen is not drawn
@@ -106,6 +108,43 @@ def test_a_dropped_capture_becomes_a_motion_of_a_robot(
     bent = picture(page)
     assert changed(upright, bent) > 0.002
     screenshot("motion-plan-3d")
+
+
+def test_a_knee_raise_tells_which_feet_stand_and_is_exported_unbroken(
+    page: Page, service: Service, robot: str, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    raised = knee()
+    (tmp_path / "raise.bvh").write_bytes(bvh(np.zeros_like(raised), thigh=raised))
+    with Client(service.url) as client:
+        motion = client.upload_motion(tmp_path / "raise.bvh")
+        plan = client.wait_plan(
+            client.plan_motion(motion, next(each for each in client.robots() if each.name == robot))
+        )
+        assert plan.found is not None
+        assert plan.found["broken"] == []
+        assert (
+            client.export_plan(plan, "csv", tmp_path / "raise.csv").read_text().split("\n")[0].endswith("stands.r_foot")
+        )
+        client.export_plan(plan, "mujoco", tmp_path / "raise.zip")  # refused where a bound is broken
+    listen(page)
+    page.goto(f"/plans/{plan.id}?at=3&show=trunk.torso_pitch&show=q.l_knee_pitch&show=margin.pressure_inside")
+    feet = page.get_by_role("region", name="Feet that stand")
+    expect(feet.get_by_role("img", name=re.compile(r"^l_foot stands 0 to 2\.\d* s, 3\.\d* to 6\.5 s$"))).to_be_visible()
+    expect(feet.get_by_role("img", name="r_foot stands 0 to 6.5 s")).to_be_visible()
+    bent = page.get_by_role("region", name="Position of l_knee_pitch")
+    expect(bent.get_by_role("columnheader", name="Value [°]")).to_be_visible()
+    assert float(bent.get_by_role("row", name="planned").get_by_role("cell").last.inner_text()) > 45.0
+    expect(page.get_by_role("region", name="Centre of pressure inside").get_by_text("[mm]")).to_be_visible()
+    feet.scroll_into_view_if_needed()
+    screenshot("motion-plan-feet")
+    drawn_at = []
+    for at in (0.1, 3.0):
+        page.goto(f"/plans/{plan.id}?at={at}&show=margin.pressure_inside&robot=yes")
+        wait_until_drawn(page)
+        page.locator("iframe").scroll_into_view_if_needed()
+        drawn_at.append(picture(page))
+    assert changed(*drawn_at) > 0.002
+    screenshot("motion-plan-feet-3d")
 
 
 def test_a_motion_that_identifies_tells_what_will_be_known(

@@ -24,9 +24,17 @@ def bow(angle_deg: float = 20.0, seconds: float = 2.0) -> np.ndarray:
     return np.asarray(angle_deg * np.sin(np.pi * s) ** 2)
 
 
-def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None) -> bytes:
-    """A person on still feet whose trunk bends ahead by (T,) [deg]; upwards: (T,) [cm] by which all of it is lifted."""
+def knee(angle_deg: float = 60.0, seconds: float = 2.5) -> np.ndarray:
+    """(T,) [deg] of a thigh that is raised after half a second and let down half a second before the end."""
+    s = np.clip((np.linspace(0.0, seconds, int(seconds * RATE) + 1) - 0.5) / (seconds - 1.0), 0.0, 1.0)
+    return np.asarray(angle_deg * np.sin(np.pi * s) ** 2)
+
+
+def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None, thigh: np.ndarray | None = None) -> bytes:
+    """A person on still feet whose trunk bends ahead by (T,) [deg]; upwards: (T,) [cm] by which all of it is lifted;
+    thigh: (T,) [deg] by which the left one is raised, its shank upright."""
     lift = np.zeros_like(flexion) if upwards is None else upwards
+    raised = np.zeros_like(flexion) if thigh is None else thigh
     lines = ["HIERARCHY"]
 
     def add(name: str, depth: int) -> None:
@@ -47,9 +55,10 @@ def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None) -> bytes:
     add("Hips", 0)
     lines += ["MOTION", f"Frames: {len(flexion)}", f"Frame Time: {1.0 / RATE:.12f}"]
     order = written_order()
-    for angle, up in zip(flexion, lift, strict=True):
+    for angle, up, ahead in zip(flexion, lift, raised, strict=True):
         row = [0.0, 95.0 + up, 0.0, *[0.0] * 3 * len(order)]
-        row[3 + 3 * order.index("Spine2") + 1] = angle
+        for bone, turn in (("Spine2", angle), ("LeftUpLeg", -ahead), ("LeftLeg", ahead)):
+            row[3 + 3 * order.index(bone) + 1] = turn
         lines.append(" ".join(f"{x:.6f}" for x in row))
     return ("\n".join(lines) + "\n").encode()
 

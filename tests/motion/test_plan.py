@@ -34,10 +34,10 @@ from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
-from exogauge.motion.plan.written import read_written
+from exogauge.motion.plan.written import Written, read_written
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
-from exogauge.robots.moving.standing import standing
+from exogauge.robots.moving.standing import base_on, standing
 from exogauge.synthetic.urdf import robot_urdf
 
 JVRC = Path(__file__).parents[3] / "shared/data/model_jvrc1/jvrc_description/urdf/jvrc1.urdf"
@@ -217,7 +217,7 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, ra
 def test_stretches_that_are_planned_one_by_one_are_one_motion(robot: MotionRobot, bent) -> None:
     asked, planned = bent
     parts = list[int]()
-    short = replace(USUAL, stretch_s=0.8)  # as far ahead as plans look
+    short = replace(USUAL, stretch_s=0.67)
     joined = plan(robot, asked, short, report=lambda now: parts.append(now.part))
     assert set(parts) == {0, 1, 2}
     assert judge(robot, joined.spline, asked.place[0], planned=joined, rate=1000.0).broken == ()
@@ -295,6 +295,25 @@ def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: Moti
     assert (narrow.what, narrow.needs, narrow.hopeless) == (PRESSURE, 0.1, True)
     for apart, holds in ((-1e-3, True), (1e-3, False)):
         assert (at_home(robot, replace(wide, margin_m=narrow.bears + apart)).excess == 0.0) is holds
+
+
+def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_it(robot: MotionRobot, bent) -> None:
+    """Straighter knees bear this robot; home they do not, and the plan says so in place of standing aside."""
+    asked, planned = bent
+    ends = planned.spline.at(np.array([0.0, planned.spline.duration]))
+    assert ends[0] == pytest.approx(asked.q[[0, -1]], abs=1e-9)
+    assert max(np.abs(each).max() for each in ends[1:]) < 1e-6
+    need = at_home(weak(robot, 0.01), USUAL)
+    share = 0.01 * need.needs / need.bears
+    lacking = weak(robot, 0.97 * share)
+    assert 0.0 < at_home(lacking, USUAL).excess < USUAL.hopeless
+    slight = bend(robot, 0.2, 1.0)
+    found, judged = plan_within(lacking, slight)
+    assert found.spline.at(np.zeros(1))[0][0] == pytest.approx(robot.home, abs=1e-9)
+    told = [line.split(":")[0] for line in judged.broken]
+    assert told[0] == f"torque of {need.what}"
+    assert "to stand still at home" in judged.broken[0]
+    assert (np.abs(judged.torque[0]) / lacking.limits.torque).max() > 1.0
 
 
 def test_nothing_is_planned_for_a_robot_that_cannot_stand_at_home(robot: MotionRobot) -> None:
@@ -442,10 +461,15 @@ def raises_a_knee(seconds: float = 2.0) -> Person:
     return Person("raise", time, np.zeros((len(time), 3)), still, still, {}, 0.8, contacts, feet=feet)
 
 
-@pytest.mark.slow
-def test_a_knee_that_is_raised_is_raised_on_the_other_foot_as_mujoco_sees_it(robot: MotionRobot) -> None:
+@pytest.fixture(scope="module")
+def raised(robot: MotionRobot):
     asked, _ = ask(robot, raises_a_knee())
-    planned, judged = plan_within(robot, asked)
+    return asked, *plan_within(robot, asked)
+
+
+@pytest.mark.slow
+def test_a_knee_that_is_raised_is_raised_on_the_other_foot_as_mujoco_sees_it(robot: MotionRobot, raised) -> None:
+    asked, planned, judged = raised
     assert judged.broken == ()
     rate = 1000.0
     time = np.arange(int(planned.spline.duration * rate + 1e-6) + 1) / rate
@@ -460,6 +484,111 @@ def test_a_knee_that_is_raised_is_raised_on_the_other_foot_as_mujoco_sees_it(rob
     assert lifted.max(axis=0) == pytest.approx([0.1 * size, 0.0, 0.2 * size], abs=0.01)
     both = judge(robot, planned.spline, asked.place[0], rate=rate).broken
     assert any(line.startswith("way of a standing foot") for line in both), "were it to stand"
+
+
+@pytest.mark.slow
+def test_a_table_says_which_foot_is_up_and_is_judged_on_the_one_that_stands(
+    robot: MotionRobot, raised, folder: Path, tmp_path: Path, capsys
+) -> None:
+    _, planned, judged = raised
+    file = tmp_path / "raise.csv"
+    file.write_bytes(motion_table(robot, judged))
+    columns = columns_of(file)
+    assert (columns["stands.r_foot"] == 1.0).all()
+    assert (columns["stands.l_foot"] == planned.standing(judged.time)[:, 0]).all()
+    command = ["--robot", str(folder / "robot.yaml"), "--json"]
+    assert main(["motion", "check", str(file), *command]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["broken"] == []
+    assert float(said["centre of pressure"].split()[0]) == pytest.approx(1e3 * judged.inside.min(), abs=1.0)
+    assert said["feet that lift"].startswith("l_foot from 2.5")
+    for form, rate in (("csv", "500"), ("mujoco", "1000"), ("hrpsys", "200")):
+        out = tmp_path / f"again.{form}"
+        assert main(["motion", "export", str(file), *command, "--format", form, "--rate", rate, "--out", str(out)]) == 0
+        sheet = json.loads((tmp_path / f"again.{form}.json").read_text())
+        ((up, down),) = sheet["feet_up_s"]["l_foot"]
+        assert (up, down) == (pytest.approx(2.5, abs=0.06), pytest.approx(3.5, abs=0.06))
+    capsys.readouterr()
+    assert "stands.l_foot" in columns_of(tmp_path / "again.csv")
+    seen = np.load(tmp_path / "again.npz")
+    on = seen["stands"][:, list(seen["feet"]).index("l_foot")]
+    assert (on == planned.standing(seen["time"])[:, 0]).mean() > 0.99
+    silent = {name: values for name, values in columns.items() if not name.startswith("stands.")}
+    assert main(["motion", "check", str(table(tmp_path / "silent.csv", silent)), *command]) == 1
+    broken = json.loads(capsys.readouterr().out)["broken"]
+    assert any(line.startswith("way of a standing foot") for line in broken)
+    wrong = columns | {"stands.r_foot": columns["stands.l_foot"], "stands.l_foot": columns["stands.r_foot"]}
+    assert main(["motion", "check", str(table(tmp_path / "wrong.csv", wrong)), *command]) == 1
+    assert any(line.startswith("centre of pressure") for line in json.loads(capsys.readouterr().out)["broken"])
+
+
+def test_the_base_is_where_the_feet_that_stand_put_it(robot: MotionRobot) -> None:
+    """A foot that lifts moves nothing; where either lifts once, the base goes over without a jump."""
+    T = 41
+    q = np.tile(robot.home, (T, 1))
+    up = np.ones((T, 2), dtype=bool)
+    up[10:16, 0] = False
+    q[10:16, at(robot, "l_hip_pitch")] -= 0.3
+    assert base_on(robot, q, up) == pytest.approx(q[:, :6], abs=1e-9)
+    assert np.abs(base_on(robot, q) - q[:, :6]).max() > 0.1, "were the left one to stand"
+    up[25:31, 1] = False
+    q[25:31, at(robot, "r_hip_pitch")] -= 0.3
+    assert base_on(robot, q, up) == pytest.approx(q[:, :6], abs=1e-9)
+    q[:, at(robot, "l_ankle_roll")] += 1e-4  # a table that is a little wrong
+    whole = base_on(robot, q, up)
+    assert np.abs(np.diff(whole, 3, axis=0)).max() < 2e-5 < np.ptp(whole, axis=0).max()
+
+
+@pytest.mark.parametrize(
+    ("change", "rule", "place"),
+    [
+        (lambda c: c | {"stands.hand": np.ones_like(c["t"])}, "unknown_foot", (0, "stands.hand")),
+        (lambda c: c | {"stands.l_foot": np.full_like(c["t"], 0.5)}, "not_a_truth", (1, "stands.l_foot")),
+        (lambda c: c | {f"stands.{side}_foot": (c["t"] < 1.0) * 1.0 for side in "lr"}, "flight", (201, "stands.l")),
+    ],
+)
+def test_feet_that_cannot_be_are_refused_where_they_are_told(written, robot, tmp_path, change, rule, place) -> None:
+    with pytest.raises(BadMotion) as told:
+        read_written(robot, table(tmp_path / "wrong.csv", change(columns_of(written[0]))))
+    fault = told.value.faults[0]
+    assert (fault.rule, fault.row) == (rule, place[0])
+    assert fault.column.startswith(place[1])
+
+
+@pytest.mark.parametrize("rate", [200.0, 130.0])
+def test_a_table_of_a_motion_within_its_jerk_is_within_it(robot: MotionRobot, rate: float) -> None:
+    """The jerk of a plan jumps at its nodes; a cubic through samples swings beyond it there."""
+    rng = np.random.default_rng(3)
+    step, n = 1.0 / USUAL.nodes_per_s, robot.model.nq
+    jerk = rng.choice([-1000.0, 1000.0], size=(60, n))
+    control = np.cumsum(
+        np.cumsum(np.cumsum(np.concatenate([np.zeros((3, n)), jerk * step**3]), axis=0), axis=0), axis=0
+    )
+    spline = Spline(control, step)
+    time = np.arange(0.0, spline.duration, 1.0 / rate)
+    table = Written(time, spline.at(time)[0], (), np.ones((len(time), 2), dtype=bool))
+    found = table.jerk(np.arange(0.0, time[-1], 1e-3))
+    assert 900.0 < np.abs(found).max() < 1000.0 * (1.0 + 1e-6)
+    swings = np.diff(table.at(time)[2], axis=0) / np.diff(time)[:, None]
+    assert np.abs(swings).max() > 1050.0
+    wide = Written(time, time[:, None] ** 3 * np.ones(n), (), table.stands)
+    assert wide.jerk(time) == pytest.approx(6.0)
+
+
+def test_between_up_and_down_a_foot_may_bear_and_may_move() -> None:
+    time = np.arange(6) / 10.0
+    stands = np.ones((6, 2), dtype=bool)
+    stands[2:4, 0] = False
+    table = Written(time, np.zeros((6, 8)), (), stands)
+    at = np.array([0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4])
+    assert table.standing(at)[:, 0].tolist() == [True, True, False, False, False, True, True]
+    assert table.still(at)[:, 0].tolist() == [True, False, False, False, False, False, True]
+    assert table.still(at)[:, 1].all()
+
+
+def test_a_table_without_feet_stands_on_both_throughout(written, robot: MotionRobot) -> None:
+    assert not any(name.startswith("stands.") for name in columns_of(written[0]))
+    assert read_written(robot, written[0]).standing(np.linspace(0.0, 3.0, 7)).all()
 
 
 def test_a_foot_that_is_up_at_an_end_or_for_a_moment(robot: MotionRobot) -> None:

@@ -51,6 +51,36 @@ def test_a_captured_person_is_drawn_where_its_bones_are(tmp_path: Path, unpack: 
     assert lines[..., 2].max() == pytest.approx(0.95 + 0.2 + 0.4 + 0.2, abs=0.01)
 
 
+def test_the_floor_shows_what_stands_then(tmp_path: Path, unpack: Callable[[bytes], Any]) -> None:
+    """Left foot, both, right foot: of each the polygon that it makes, and only then."""
+    robot = sample_folder(tmp_path)
+    described, _, urdf = read_robot(Bundle(robot.parent, robot.name), robot.name)
+    moving = load_motion_robot(robot)
+    stands = np.array([[1, 0], [1, 1], [1, 1], [0, 1]], dtype=bool)
+    T, none = len(stands), np.zeros(0)
+    foot = np.array([[0.1, 0.05, 0.0], [-0.1, 0.05, 0.0], [-0.1, -0.05, 0.0], [0.1, -0.05, 0.0]])
+    outline = np.concatenate([foot + np.array([0.0, y, 0.0]) for y in (0.1, -0.1)])
+    played = Played(
+        np.arange(T) / 10.0, np.tile([0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0], (T, 1)), np.zeros((T, len(moving.joints))),
+        np.zeros((T, 3)), np.full(T, 0.02), outline, np.repeat([0.0, 1.0], 4), stands, np.array([0.015]),
+        np.full((T, 2, 3), np.nan), np.full(T, 0.03), np.zeros((T, len(moving.joints))), none, none,
+    )  # fmt: skip
+    played.write(tmp_path / "played.npz")
+    read = Played.read(tmp_path / "played.npz")
+    scene = unpack(draw_played(described, urdf, lambda name: None, read, list(moving.joints), None))
+    nodes = [name for name in scene.header["layers"]["balance"] if "outline" in name]
+    assert len(nodes) == 3
+    shown = np.column_stack([track(scene, name)[:, 0] for name in nodes])
+    assert (shown.sum(axis=1) == 1).all(), "one polygon at a time"
+    assert shown[0].argmax() != shown[-1].argmax() != shown[1].argmax()
+    with np.load(tmp_path / "played.npz") as file:
+        older = {name: file[name] for name in file.files if name not in ("foot", "stands")}
+    np.savez(tmp_path / "older.npz", **older)
+    scene = unpack(draw_played(described, urdf, lambda name: None, Played.read(tmp_path / "older.npz"),
+                               list(moving.joints), None))  # fmt: skip
+    assert len([name for name in scene.header["layers"]["balance"] if "outline" in name]) == 1
+
+
 @pytest.mark.slow
 def test_person_and_robot_bow_together_and_the_pressure_stays_inside(
     tmp_path: Path, unpack: Callable[[bytes], Any]

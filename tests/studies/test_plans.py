@@ -85,7 +85,9 @@ def test_a_named_plan_is_found_in_its_log_with_how_far_the_robot_strayed(played:
 
 
 def test_a_plan_of_the_service_is_found_by_content_and_others_are_not_told(played: Path, tmp_path: Path) -> None:
-    lay(played, wrong=OTHER, right=table(), broken=b"t,q.torso_yaw,broken\n0,0,1\n")
+    head, *rows = table().decode().splitlines()  # which foot stands tells nothing of what was followed
+    stepped = "\n".join([f"{head},stands.l_foot", *(f"{row},{k % 2}" for k, row in enumerate(rows))]).encode()
+    lay(played, wrong=OTHER, right=stepped, broken=b"t,q.torso_yaw,broken\n0,0,1\n")
     _, (plan,) = plans_of(played, tmp_path / "out")
     assert (plan["plan"], plan["plan_id"], plan["file"]) == ("right", "id of right", None)
     assert [(log["log"], log["state"]) for log in plan["logs"]] == [("id_1", "follows"), ("val_1", "follows")]

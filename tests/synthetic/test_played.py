@@ -42,6 +42,20 @@ def squat_with_one_leg(columns: dict[str, np.ndarray]) -> None:
         columns[f"q.r_{name}"] = HOME[f"r_{name}"] + share * shape
 
 
+def test_a_plan_that_lifts_a_foot_is_refused_with_the_foot_and_the_time(tmp_path: Path) -> None:
+    def lift(columns: dict[str, np.ndarray]) -> None:
+        columns["stands.l_foot"] = ((columns["t"] < 1.5) | (columns["t"] > 2.0)) * 1.0
+        columns["stands.r_foot"] = np.ones_like(columns["t"])
+
+    with pytest.raises(BadMotion) as told:
+        read_played(bow(tmp_path / "lift.csv", lift))
+    fault = told.value.faults[0]
+    assert (fault.rule, fault.row, fault.column) == ("foot_lifts", 301, "stands.l_foot")
+    assert "lifts l_foot from 1.50 s on" in str(told.value)
+    still = read_played(bow(tmp_path / "still.csv", lambda c: c.update({"stands.l_foot": np.ones_like(c["t"])})))
+    assert still.angles == pytest.approx(read_played(bow(tmp_path / "bow.csv")).angles)
+
+
 def test_a_run_that_does_not_differ_is_the_files_own_motion(tmp_path: Path, planner: mujoco.MjModel) -> None:
     given = read_played(bow(tmp_path / "bow.csv"))
     plan = given.plan(np.random.default_rng(1), np.random.default_rng(2), None, planner)

@@ -85,7 +85,7 @@ def export(folder: str, motion: str, name: str, form: str, rate_hz: float | None
     robot = load_motion_robot(Path(folder) / "robot.yaml")
     table = Path(motion)
     written = read_written(robot, table)
-    judged = judge(robot, written, standing(robot), rate=rate_hz)
+    judged = judge(robot, written, standing(robot), rate=rate_hz, planned=written)
     judged = replace(judged, broken=tuple(dict.fromkeys((*broken, *judged.broken))))
     files = {name + end: data for end, data in exported(robot, written, judged, form).items()}
     told = sheet(robot, judged, form, files, {table.name: table.read_bytes()})

@@ -165,7 +165,7 @@ def check_motion(args: argparse.Namespace) -> int:
 
     robot = load_motion_robot(args.robot)
     written = read_written(robot, args.file)
-    judged = judge(robot, written, standing(robot))
+    judged = judge(robot, written, standing(robot), planned=written)
     said = {"robot": robot.name, "motion": args.file.name, "seconds": round(written.duration, 3)}
     if written.held:
         said["held at home"] = ", ".join(written.held)
@@ -262,7 +262,7 @@ def export_motion(args: argparse.Namespace) -> int:
 
     robot = load_motion_robot(args.robot)
     motion = read_written(robot, args.file)
-    judged = judge(robot, motion, standing(robot), rate=args.rate)
+    judged = judge(robot, motion, standing(robot), rate=args.rate, planned=motion)
     return _written(
         args, robot, motion, judged, {"robot": robot.name, "motion": args.file.name} | margins(robot, judged)
     )

@@ -17,18 +17,20 @@ from exogauge.logs.tables import as_vector, read_names
 
 
 def read_log(
-    path: Path, name: str, rows: tuple[int, int] | None = None, *, file: str | None = None, allow_gaps: bool = False
-) -> Log:
+    path: Path, name: str, rows: tuple[int, int] | None = None, *, file: str | None = None, allow_gaps: bool = False,
+    left_out: str | None = None,
+) -> Log:  # fmt: skip
     """The log in a CSV or Parquet table of contract columns.
 
     rows: (start, stop) of the data rows to keep, from 0, stop not included; what is wrong with others does not
     matter. file: the name that faults carry.
     allow_gaps: keep NaN (for the doctor, who reports them) instead of refusing.
+    left_out: what columns begin with that are passed over.
     Raises BadLog with up to 20 faults, TooLarge.
     """
     file = file or path.name
     table = open_table(path, file, rows=rows)
-    names = read_names(table)
+    names = tuple(each for each in read_names(table) if left_out is None or not each.startswith(left_out))
     _check_names(names, file)
     columns = {
         column: np.asarray(as_vector(values, file, column), np.float64) for column, values in table.read(names).items()

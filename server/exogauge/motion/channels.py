@@ -71,7 +71,8 @@ def of_retargeted(found: Retargeted) -> pa.Table:
 
 def add_judged(columns: Columns, robot: MotionRobot, judged: Judged, acceleration: Array) -> Columns:
     """`margin.` what is left of balance and distances, `bound.` the largest share of each kind of bound, `binds` what
-    is nearest to its bound, then `pressure.`, `q.` and `tau.` of every joint. acceleration: (T, n)."""
+    is nearest to its bound, `stands.` of every foot where one lifts, then `pressure.`, `q.` and `tau.` of every joint.
+    acceleration: (T, n)."""
     margins = (("pressure_inside", judged.inside, METRES), ("nearest_pair", judged.apart, METRES),
                ("weight_carried", judged.carried, "1"))  # fmt: skip
     for name, values, unit in margins:
@@ -85,6 +86,9 @@ def add_judged(columns: Columns, robot: MotionRobot, judged: Judged, acceleratio
     nearest = np.concatenate([shares[kind] for kind in KINDS], axis=1).argmax(axis=1)
     used, index = np.unique(nearest, return_inverse=True)
     columns.add_words("binds", index, tuple(words[k] for k in used))
+    if not judged.stands.all():
+        for sole, stands in zip(robot.soles, judged.stands.T, strict=True):
+            columns.add_truth(f"stands.{sole.link}", stands)
     for axis, letter in enumerate("xy" if np.isfinite(judged.pressure).any() else ""):
         columns.add(f"pressure.{letter}", judged.pressure[:, axis], METRES)
     for j, joint in enumerate(robot.joints):

@@ -141,7 +141,8 @@ def judged_excitation(found: ExcitationPlan) -> tuple[Judged, Any]:
     if len(near.distance):
         k = int(near.distance.argmin())
         nearest = (*pairs.names[near.pair[k]], float(time[near.sample[k]]))
-    return Judged(time, q, v, lost, none, none, torque, 0.0, 0.0, apart, nearest, pairs.left_out), a
+    stands = np.ones((len(time), len(robot.soles)), dtype=bool)
+    return Judged(time, q, v, stands, lost, none, none, torque, 0.0, 0.0, apart, nearest, pairs.left_out), a
 
 
 def write_series(table: Any, out: Path) -> None:

@@ -30,7 +30,8 @@ AT_BOUND = 0.99  # share from which a joint counts as being at its bound
 class Played:
     """T samples. time: (T,) [s]. base: (T, 7) x, y, z [m], qx, qy, qz, qw of the root link. q: (T, J) in the order of
     `MotionRobot.joints`. pressure: (T, 3) [m], NaN where nothing stands. inside: (T,) [m] of it from the edge of what
-    the feet stand on. outline: (K, 3) [m] corners of all soles; inner: (1,) [m] how far inside it has to stay.
+    the feet stand on. outline: (K, 3) [m] corners of all soles where they stand; foot: (K,) whose each is; stands:
+    (T, F). inner: (1,) [m] how far inside the pressure has to stay.
 
     pairs: (T, 2, 3) [m] nearest points of the nearest pair, NaN where none is near; apart: (T,) [m]. at_bound: (T, J).
     moment: (T,) [s] of the capture. person: (2,) heading of the person's first pelvis [rad], and 1 where left and right
@@ -43,6 +44,8 @@ class Played:
     pressure: Array
     inside: Array
     outline: Array
+    foot: Array
+    stands: Array
     inner: Array
     pairs: Array
     apart: Array
@@ -56,8 +59,11 @@ class Played:
 
     @classmethod
     def read(cls, path: Path) -> Played:
+        """A file of an older version says nothing of feet: they stand as one."""
         with np.load(path) as file:
-            return cls(**{each.name: file[each.name].astype(np.float64) for each in fields(cls)})
+            arrays = {name: file[name].astype(np.float64) for name in file.files}
+        one = {"foot": np.zeros(len(arrays["outline"])), "stands": np.ones((len(arrays["time"]), 1))}
+        return cls(**(one | arrays))
 
 
 def of_retargeted(found: Retargeted, wanted: RetargetEntry) -> Played:
@@ -88,14 +94,16 @@ def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played
         pose = np.concatenate([q[:, :3], Rotation.from_euler("ZXY", q[:, 3:base]).as_quat()], axis=1)
     shares = bound_shares(robot, judged, acceleration)
     at_bound = np.max(np.stack(list(shares.values())), axis=0) >= AT_BOUND
-    outline = np.zeros((0, 3))
+    outline, foot = np.zeros((0, 3)), np.zeros(0)
     if robot.floating and len(robot.soles) > 1:
         placed = zip(robot.soles, standing(robot), strict=True)
+        foot = np.repeat(np.arange(len(robot.soles)), [len(sole.outline) for sole in robot.soles]).astype(np.float64)
         outline = np.concatenate([sole.outline @ at.rotation.T + at.translation for sole, at in placed])
     pairs, apart = _nearest(robot, q)
     none = np.zeros(0)
     return Played(
-        judged.time[kept], pose, q[:, base:], judged.pressure[kept], judged.inside[kept], outline,
+        judged.time[kept], pose, q[:, base:], judged.pressure[kept], judged.inside[kept], outline, foot,
+        judged.stands[kept].astype(np.float64),
         np.array([USUAL.inside_m]), pairs, apart, at_bound[kept].astype(np.float64), none, none,
     )  # fmt: skip
 

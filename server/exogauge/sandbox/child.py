@@ -22,6 +22,7 @@ def _log(
     motor_from_joint: Sequence[Sequence[float]] | None,
     rows: tuple[int, int] | None,
     allow_gaps: bool,
+    left_out: str | None,
     out: str = LOG,
 ) -> dict[str, Any]:
     import numpy as np
@@ -36,7 +37,7 @@ def _log(
     rows = None if rows is None else (int(rows[0]), int(rows[1]))
     if mapping is None:
         ((file, path),) = paths.items()
-        log = read_log(Path(path), name, rows, file=file, allow_gaps=allow_gaps)
+        log = read_log(Path(path), name, rows, file=file, allow_gaps=allow_gaps, left_out=left_out)
     else:
         log = read_mapped(
             {file: Path(path) for file, path in paths.items()},

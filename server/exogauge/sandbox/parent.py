@@ -26,7 +26,8 @@ CHILD = "exogauge.sandbox.child"
 class LogRequest:
     """paths: the name a user knows the file by -> where it lies; several only with a mapping.
 
-    joints, motor_from_joint (J, J), rows, allow_gaps: as for `logs.mapping.read_mapped`.
+    joints, motor_from_joint (J, J), rows, allow_gaps: as for `logs.mapping.read_mapped`. left_out: as for
+    `logs.reading.read_log`, without a mapping.
     """
 
     name: str
@@ -36,6 +37,7 @@ class LogRequest:
     motor_from_joint: Array | None = None
     rows: tuple[int, int] | None = None
     allow_gaps: bool = False
+    left_out: str | None = None
 
     @property
     def size(self) -> int:
@@ -53,6 +55,7 @@ class LogRequest:
             "motor_from_joint": None if matrix is None else matrix.tolist(),
             "rows": self.rows,
             "allow_gaps": self.allow_gaps,
+            "left_out": self.left_out,
         }
 
 

@@ -141,19 +141,26 @@ def _seen(figure: Figure) -> Array:
 
 
 def _draw_balance(stage: Stage, played: Played, shown: NDArray[np.intp]) -> list[dict[str, Any]]:
+    """The centre of pressure, and what the feet that stand then stand on: a polygon for every set of them."""
     floor = float(played.outline[:, 2].mean()) + ABOVE
     stage.scene.add_frame("/balance", show_axes=False)
-    hull = played.outline[ConvexHull(played.outline[:, :2]).vertices][:, :2]
-    stage.scene.add_line_segments(
-        "/balance/outline", _ring(hull, floor), STANDS, thickness=2.5, thickness_units="screen"
-    )
-    inner = _shrunk(hull, float(played.inner[0]))
-    names = ["/balance/outline", "/balance/pressure"]
-    if len(inner) > 2:
-        stage.scene.add_line_segments(
-            "/balance/inner", _ring(inner, floor), INNER, thickness=1.5, thickness_units="screen"
-        )
-        names.append("/balance/inner")
+    names = ["/balance/pressure"]
+    stands = played.stands[shown] > 0.5
+    for k, on in enumerate(np.unique(stands, axis=0)):
+        corners = played.outline[on[played.foot.astype(int)]]
+        hull = corners[ConvexHull(corners[:, :2]).vertices][:, :2]
+        inner = _shrunk(hull, float(played.inner[0]))
+        then = (stands == on).all(axis=1)
+        for name, ring, colour, thick in (("outline", hull, STANDS, 2.5), ("inner", inner, INNER, 1.5)):
+            if len(ring) < 3:
+                continue
+            node = f"/balance/{name}_{k}"
+            stage.scene.add_line_segments(
+                node, _ring(ring, floor), colour, thickness=thick, thickness_units="screen", visible=bool(then[0])
+            )
+            if not then.all():
+                stage.move("visible", node, then.astype(np.uint8)[:, None])
+            names.append(node)
     stage.scene.add_icosphere("/balance/pressure", 0.016, color=PRESSURE)
     at = played.pressure[shown].copy()
     at[:, 2] = floor

@@ -29,6 +29,7 @@ SHORTEST_S, LONGEST_S = 2.0, 600.0
 _FOOT_STAYS = 2e-3, 5e-3  # [m, rad]
 _OVER = 1e-3  # of a joint's bound, what rounding may leave [rad]
 _TAKEN = ("excitation",)
+_STANDS = "stands."  # and the link of a foot: 1 where it stands
 
 
 @final
@@ -142,7 +143,7 @@ def _columns(name: str, source: bytes) -> tuple[Array, dict[str, Array]]:
                               "Write it again", name, uneven))  # fmt: skip
     columns = {}
     for j, column in enumerate(head):
-        if column == "t" or column.startswith("q."):
+        if column == "t" or column.startswith(("q.", _STANDS)):
             columns[column] = np.array([_number(name, k, column, row[j]) for k, row in enumerate(rows, 1)])
     time = columns.pop("t")
     back = np.flatnonzero(np.diff(time) <= 0.0)
@@ -153,6 +154,13 @@ def _columns(name: str, source: bytes) -> tuple[Array, dict[str, Array]]:
         took = f"{time[-1] - time[0]:g} s" if len(time) else "0 rows"
         raise BadMotion(Fault(f"a motion takes {SHORTEST_S:g} to {LONGEST_S:g} s", "bad_duration",
                               "Cut or repeat it", name, column="t", value=took))  # fmt: skip
+    for column in [each for each in columns if each.startswith(_STANDS)]:
+        up = np.flatnonzero(columns.pop(column) != 1.0)
+        if len(up):
+            raise BadMotion(Fault(
+                f"the plan lifts {column.removeprefix(_STANDS)} from {time[up[0]]:.2f} s on", "foot_lifts",
+                "The sample plays motions with both feet where they stand: cut it before", name, int(up[0]) + 1, column,
+            ))  # fmt: skip
     return time, {column.removeprefix("q."): values for column, values in columns.items()}
 
 

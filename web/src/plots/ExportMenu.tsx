@@ -23,7 +23,7 @@ export function ExportMenu({ source, log, panels, hidden, doubts, window }: Prop
     const pictured = shown.map(({ panel, lines }) => {
       const asked = ["tiles", source.id, log, needed(panel.lines), window.from, window.to];
       const found = cache.getQueriesData<Tiles>({ queryKey: asked }).find(([, tiles]) => tiles)?.[1];
-      return { panel, lines, drawn: drawable(found, lines, doubts) };
+      return { panel, lines, drawn: drawable(found, lines, doubts, panel.scale) };
     });
     return drawing(`${log}, ${window.from.toFixed(3)} … ${window.to.toFixed(3)} s`, pictured, window, scheme);
   };

@@ -39,10 +39,10 @@ export function PlotPanel(props: Props) {
   const channels = useMemo(() => needed(panel.lines), [panel]);
   const pixels = Math.min(STEP * Math.ceil((width * globalThis.devicePixelRatio) / STEP), 8000);
   const tiles = useTiles({ source, name: log, channels, start: window.from, end: window.to, width: pixels });
-  const drawn = useMemo(() => drawable(tiles.data, shown, doubts), [tiles.data, shown, doubts]);
+  const drawn = useMemo(() => drawable(tiles.data, shown, doubts, panel.scale), [tiles.data, shown, doubts, panel.scale]);
   const height = HEIGHT + (last ? AXIS_NAME : 0);
   const at = useRestingTime(cursor, REST_MS);
-  const sample = useSample(source, log, channels, at);
+  const sample = useSample(source, log, channels, at, panel.scale);
   return (
     <section className={styles.panel} aria-label={panel.title}>
       <Title order={3} size="h5" className={styles.title}>

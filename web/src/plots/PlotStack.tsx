@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef, type KeyboardEvent } from "react";
 import { GROUPS, panelsOf } from "./channels";
 import { useRestingTime, type Cursor } from "./cursor";
 import { ExportMenu } from "./ExportMenu";
+import { Feet, STANDS } from "./Feet";
 import type { Window } from "./Plot";
 import { PlotPanel } from "./PlotPanel";
 import styles from "./PlotStack.module.css";
@@ -22,12 +23,15 @@ type Props = {
   view: View;
   first: string[];
   cursor: Cursor;
+  motion?: boolean;
   onView: (change: Partial<View>) => void;
 };
 
-/** Plots of one series below each other, over the same time and with one cursor. first: plots shown by default. */
-export function PlotStack({ source, series, view, first, cursor, onView }: Props) {
-  const panels = useMemo(() => panelsOf(series), [series]);
+/** Plots of one series below each other, over the same time and with one cursor. first: plots shown by default. motion:
+of a person or a plan, see `panelsOf`. */
+export function PlotStack({ source, series, view, first, cursor, motion = false, onView }: Props) {
+  const panels = useMemo(() => panelsOf(series, motion), [series, motion]);
+  const feet = useMemo(() => series.channels.filter(({ name, kind }) => kind === "truth" && name.startsWith(STANDS)), [series]);
   const keys = (view.show ?? first).filter((key) => panels.some((panel) => panel.key === key));
   const shown = keys.map((key) => panels.find((panel) => panel.key === key)!);
   const doubtful = panels.some(({ lines }) => lines.some(({ std }) => std));
@@ -94,6 +98,9 @@ export function PlotStack({ source, series, view, first, cursor, onView }: Props
         {doubtful && " A wide shade: the joint rests, and friction leaves an interval only."}
       </Text>
       <div className={styles.stack}>
+        {feet.length > 0 && (
+          <Feet source={source} log={series.name} feet={feet.map(({ name }) => name)} window={window} cursor={cursor} />
+        )}
         {shown.map((panel, k) => (
           <PlotPanel
             key={panel.key}

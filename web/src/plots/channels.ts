@@ -4,7 +4,7 @@ Names are those of `docs/study.md`: `measured.tau.torso_pitch`, `support_a.torso
 as it was read those of its channels.
 */
 
-import { motionLine } from "./motion";
+import { motionLine, shownUnit } from "./motion";
 import { ofJoint, rawLine } from "./raw";
 import type { SeriesFacts } from "./series";
 
@@ -22,8 +22,9 @@ export type Look =
 /** std: channel of its standard deviation; low, high: of the ends of an interval, where there is only one. */
 export type Line = { channel: string; words: string; look: Look; std?: string; low?: string; high?: string };
 
-/** key: names it in an address. group: heading of the picker. */
-export type Panel = { key: string; title: string; group: string; unit: string; lines: Line[] };
+/** key: names it in an address. group: heading of the picker. scale: of the file's values to those in `unit`. */
+export type Panel = { key: string; title: string; group: string; unit: string; scale: number; lines: Line[] };
+type Named = Omit<Panel, "unit" | "scale" | "lines">;
 
 const MODELS: [string, string, Look][] = [
   ["measured", "Measured", "measured"],
@@ -59,12 +60,13 @@ export const GROUPS = [
   "Other",
 ] as const;
 
-/** Every plot that a series has channels for. */
-export function panelsOf(series: SeriesFacts): Panel[] {
+/** Every plot that a series has channels for. motion: in the units of a motion's tables; joints as planned. */
+export function panelsOf(series: SeriesFacts, motion = false): Panel[] {
   const channels = new Map(series.channels.map((each) => [each.name, each]));
   const panels = new Map<string, Panel>();
-  const add = (channel: Channel, panel: Omit<Panel, "unit" | "lines">, line: Omit<Line, "channel">) => {
-    const found = panels.get(panel.key) ?? { ...panel, unit: channel.unit, lines: [] };
+  const add = (channel: Channel, panel: Named, line: Omit<Line, "channel">) => {
+    const [unit, scale] = motion ? shownUnit(channel.name, channel.unit) : [channel.unit, 1];
+    const found = panels.get(panel.key) ?? { ...panel, unit, scale, lines: [] };
     panels.set(panel.key, { ...found, lines: [...found.lines, { ...line, channel: channel.name }] });
   };
   for (const channel of series.channels) {
@@ -73,7 +75,7 @@ export function panelsOf(series: SeriesFacts): Panel[] {
     const model = MODELS.find(([part]) => part === head);
     const approach = APPROACHES.find(([part]) => part === head);
     const band = BAND.exec(channel.name);
-    const raw = motionLine(channel.name) ?? rawLine(channel.name);
+    const raw = motionLine(channel.name) ?? rawLine(channel.name, motion ? "planned" : undefined);
     if (model) add(channel, bodyPanel(rest), { words: model[1], look: model[2] });
     else if (approach) {
       const ends = { std: `${head}_std.${rest}`, low: `${head}_low.${rest}`, high: `${head}_high.${rest}` };
@@ -94,7 +96,7 @@ export function panelsOf(series: SeriesFacts): Panel[] {
   return [...panels.values()].sort((one, two) => rank(one) - rank(two));
 }
 
-function bodyPanel(name: string): Omit<Panel, "unit" | "lines"> {
+function bodyPanel(name: string): Named {
   const [kind, rest] = split(name);
   const moved = kind === "tau" ? null : ofJoint(name);
   if (moved) return moved;
@@ -108,7 +110,7 @@ function bodyPanel(name: string): Omit<Panel, "unit" | "lines"> {
   return { key: name, title: name, group: "Other" };
 }
 
-function supportPanel(joint: string): Omit<Panel, "unit" | "lines"> {
+function supportPanel(joint: string): Named {
   return { key: `support.${joint}`, title: `Supporting torque at ${joint}`, group: "Supporting torque" };
 }
 

@@ -3,6 +3,13 @@
 
 import type { RawLine } from "./raw";
 
+/** In what a motion's tables tell it, and how much of that a unit of the file is. Lengths but those of a margin stay. */
+export function shownUnit(name: string, unit: string): [unit: string, scale: number] {
+  if (unit === "rad") return ["°", 180 / Math.PI];
+  if (unit === "m" && name.startsWith("margin.")) return ["mm", 1e3];
+  return [unit, 1];
+}
+
 const MARGINS: Record<string, string> = {
   pressure_inside: "Centre of pressure inside what the feet stand on",
   nearest_pair: "Distance of the nearest pair",

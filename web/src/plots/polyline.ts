@@ -9,8 +9,9 @@ export const DOUBT = 2;
 type Values = (number | null)[];
 export type Drawable = { t: number[]; lines: Values[]; bands: ({ low: Values; high: Values } | null)[] };
 
-/** A line is left out until the tiles hold its channels. */
-export function drawable(tiles: Tiles | undefined, lines: readonly Line[], doubts: boolean): Drawable {
+/** A line is left out until the tiles hold its channels. scale: of the file's values to those that are drawn. */
+export function drawable(inFile: Tiles | undefined, lines: readonly Line[], doubts: boolean, scale: number): Drawable {
+  const tiles = inFile && scale !== 1 ? scaled(inFile, scale) : inFile;
   if (!tiles) return { t: [], lines: lines.map(() => []), bands: lines.map(() => null) };
   const t = wholeSamples(tiles) ? tiles.t : tiles.t.flatMap((each) => [each, each]);
   return {
@@ -18,6 +19,12 @@ export function drawable(tiles: Tiles | undefined, lines: readonly Line[], doubt
     lines: lines.map(({ channel }) => zigzag(tiles, channel)),
     bands: lines.map((line) => (doubts ? band(tiles, line) : null)),
   };
+}
+
+function scaled(tiles: Tiles, scale: number): Tiles {
+  const times = (values: Values) => values.map((value) => (value === null ? null : scale * value));
+  const channels = Object.entries(tiles.channels).map(([name, { min, max }]) => [name, { min: times(min), max: times(max) }]);
+  return { ...tiles, channels: Object.fromEntries(channels) as Tiles["channels"] };
 }
 
 /** Whether each tile is one sample. */

@@ -23,12 +23,12 @@ export function ofJoint(name: string): Omit<RawLine, "words"> | null {
   return found ? { key: name, title: `${found[0]} of ${name.slice(dot + 1)}`, group: found[1] } : null;
 }
 
-/** null: of no kind that a log has. */
-export function rawLine(name: string): RawLine | null {
+/** null: of no kind that a log has. words: what a joint's line is called. */
+export function rawLine(name: string, words = "As logged"): RawLine | null {
   const dot = name.indexOf(".");
   const [kind, rest] = [name.slice(0, dot), name.slice(dot + 1)];
   const joint = ofJoint(name);
-  if (joint) return { ...joint, words: "As logged" };
+  if (joint) return { ...joint, words };
   const body = OF_BODY[kind];
   if (body) return { key: kind, title: body[0], group: body[1], words: rest };
   const wrench = WRENCH.exec(name);

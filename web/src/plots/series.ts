@@ -69,22 +69,27 @@ function tilesOf({ source, name, channels, start, end, width }: TilesAsked, sign
 
 export type Sample = { t: number; values: Record<string, number | null> };
 
-/** The sample next to a time, from the file itself: what a reader may write down. */
-export function useSample(source: Source, name: string, channels: string[], at: number | null) {
+/** The sample next to a time, from the file itself: what a reader may write down. scale: of the file's values to those
+that are told. */
+export function useSample(source: Source, name: string, channels: string[], at: number | null, scale: number) {
   return useQuery({
-    queryKey: ["sample", source.id, name, channels, at],
+    queryKey: ["sample", source.id, name, channels, at, scale],
     queryFn: async ({ signal }): Promise<Sample | null> => {
       const time = at ?? 0;
       const found = await tilesOf({ source, name, channels, start: time, end: time, width: 8 }, signal);
       const k = nearest(found.t, time);
       if (k < 0) return null;
-      const values = Object.fromEntries(channels.map((each) => [each, found.channels[each]?.min[k] ?? null]));
+      const values = Object.fromEntries(channels.map((each) => [each, times(found.channels[each]?.min[k], scale)]));
       return { t: found.t[k] as number, values };
     },
     staleTime: Infinity,
     gcTime: 30_000,
     enabled: at !== null && channels.length > 0,
   });
+}
+
+function times(value: number | null | undefined, scale: number): number | null {
+  return value === null || value === undefined ? null : scale * value;
 }
 
 /** Index of the value next to `wanted` in ascending values; -1 where there is none. */

@@ -15,7 +15,7 @@ import yaml
 from numpy.typing import NDArray
 
 from exogauge.motion.plan.judge import Judged
-from exogauge.motion.plan.outcome import motion_table
+from exogauge.motion.plan.outcome import motion_table, ups
 from exogauge.motion.plan.spline import Trajectory
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.studies.csv_table import csv_table
@@ -51,7 +51,7 @@ def sheet(robot: MotionRobot, judged: Judged, form: str, files: Files, sources: 
         "unit": "rad, rad/s, N·m of revolute joints; m, m/s, N of prismatic ones",
         "margin_m": {"pressure_inside_soles": round(float(judged.inside.min()), 5),
                      "nearest_pair": round(float(judged.apart.min()), 5)},
-        "feet_m": float(judged.feet_m), "feet_rad": float(judged.feet_rad),
+        "feet_up_s": ups(robot, judged), "feet_m": float(judged.feet_m), "feet_rad": float(judged.feet_rad),
         BROKEN: list(judged.broken), "joints": joints,
         "sha256": {name: hashlib.sha256(data).hexdigest() for name, data in (files | sources).items()},
     }  # fmt: skip
@@ -139,6 +139,7 @@ def _mujoco(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
         q, v = np.concatenate([place, quaternion, q], axis=1), np.concatenate([rates, v], axis=1)
     sink = io.BytesIO()
     np.savez(sink, time=judged.time, qpos=q, qvel=v, joint_names=np.array(robot.joints),
+             feet=np.array([sole.link for sole in robot.soles], dtype=str), stands=judged.stands,
              broken=np.array(judged.broken, dtype=str))  # fmt: skip
     return {".npz": sink.getvalue()}
 
@@ -169,7 +170,7 @@ def _base(robot: MotionRobot, judged: Judged) -> tuple[Array, Array]:
 
 Write = Callable[[MotionRobot, Trajectory, Judged], Files]
 FORMATS: dict[str, tuple[Write, str]] = {
-    "csv": (_contract, "t [s], q.<joint> [rad, m]"),
+    "csv": (_contract, "t [s], q.<joint> [rad, m]; where a foot lifts, stands.<link> of every foot, 0 while it is up"),
     "hrpsys": (_hrpsys, "each line: time [s], then .pos [rad], .vel [rad/s] of the joints in the order of `joints`; "
                ".zmp [m] in the root link's axes from its origin; .waist [m, rad] x y z roll pitch yaw of the root "
                "link in the world (z up, floor at 0); .hip roll pitch yaw [rad], which hrpsys reads before .waist"),
@@ -178,6 +179,6 @@ FORMATS: dict[str, tuple[Write, str]] = {
     "ros2-mcap": (_ros_mcap, f"one trajectory_msgs/msg/JointTrajectory on {TOPIC} [rad, rad/s, rad/s²; m …]"),
     "mujoco": (_mujoco, "qpos: x y z [m] and quaternion w x y z of the root link in the world, then joints in the "
                "order of joint_names [rad, m]; qvel: its linear velocity in the world, angular in its own axes, "
-               "then joints"),
+               "then joints; stands: which of `feet` do, sample by sample"),
     "mot": (_mot, "time [s], joints [degrees, m]"),
 }  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 import pinocchio as pin
@@ -12,30 +12,48 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
-from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.spline import Trajectory
+from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 N and of .1 N·m cost the same
+
+
+class Feet(Protocol):
+    """What a plan, or a table of one, says of F feet at times (T,) [s]."""
+
+    def standing(self, time: Array) -> BoolArray:
+        """(T, F) which stand, and may bear."""
+        ...
+
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) which surely stand, and must not move."""
+        ...
+
+    def loads(self, time: Array) -> Array:
+        """(T, 6 F) [N, N·m] of the world on each, as far as it is said: what lacks is added evenly."""
+        ...
 
 
 @final
 @dataclass(frozen=True)
 class Judged:
-    """T samples. time: (T,) [s]; q, dq: (T, n). pressure: (T, 3) [m] its centre, in the world. inside: (T,) [m] of the
-    centre of pressure from the edge of what the feet stand on, negative outside. carried: (T,) share of the weight.
-    torque: (T, J) [N·m or N]; the legs' hang on how two feet share the load. feet_m, feet_rad: largest way of a
-    standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m` where none is nearer; nearest: that of all
-    times, and when, None without shapes or where none comes nearer; left_out: pairs that were not looked at. broken:
-    what does not hold, as time, place, value and bound in words.
+    """T samples. time: (T,) [s]; q, dq: (T, n). stands: (T, F) feet in the order of the robot's soles. pressure: (T, 3)
+    [m] its centre, in the world. inside: (T,) [m] of the centre of pressure from the edge of what the feet stand on,
+    negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how two feet share
+    the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m`
+    where none is nearer; nearest: that of all times, and when, None without shapes or where none comes nearer;
+    left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound in words.
     """
 
     time: Array
     q: Array
     dq: Array
+    stands: BoolArray
     pressure: Array
     inside: Array
     carried: Array
@@ -50,11 +68,11 @@ class Judged:
 
 def judge(
     robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,
-    rate: float | None = None, planned: Planned | None = None,
+    rate: float | None = None, planned: Feet | None = None,
 ) -> Judged:  # fmt: skip
     """place: of the soles' links, where each stands whenever it does. rate: [Hz], `judged_hz` where none is given.
 
-    planned: which feet stand, and how two share the load; without it both do, so that the loads are smallest.
+    planned: which feet stand, and how two share the load; without it all do, so that the loads are smallest.
     """
     rate = rate or criteria.judged_hz
     time = np.arange(int(motion.duration * rate + 1e-6) + 1) / rate
@@ -64,6 +82,7 @@ def judge(
     corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
                               for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
     stands = np.ones((len(time), len(frames)), dtype=bool) if planned is None else planned.standing(time)
+    still = stands if planned is None else planned.still(time)
     edges = _edges(robot, corners, stands)
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
@@ -84,7 +103,7 @@ def judge(
         for f, k in enumerate(frames):
             at = pin.updateFramePlacement(model, data, k)
             total += at.act(pin.Force(loads[6 * f : 6 * f + 6]))
-            if not stands[t, f]:
+            if not still[t, f]:
                 continue
             moved = place[f].inverse() * at
             strays[t] = np.maximum(
@@ -96,7 +115,9 @@ def judge(
         normals = edges[tuple(stands[t])]  # outward, and offsets
         inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
         carried[t] = force[2] / robot.weight
-    limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
+    limits = robot.limits
+    slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
+    jerk = slopes[:, base:]
     angle = q[:, base:]
     sizes = (  # what, share of the bound, what is counted
         ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
@@ -140,7 +161,20 @@ def judge(
                       f"{often:.2g} % of samples")  # fmt: skip
     feet_m, feet_rad = strays.max(axis=0).tolist()
     return Judged(
-        time, q, v, pressure, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken)
+        time,
+        q,
+        v,
+        stands,
+        pressure,
+        inside,
+        carried,
+        torque,
+        feet_m,
+        feet_rad,
+        apart,
+        nearest,
+        pairs.left_out,
+        tuple(broken),
     )
 
 

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from exogauge.criteria.motion_plan import USUAL
+from exogauge.logs.findings import runs
 from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.solve import Planned
+from exogauge.motion.plan.written import STANDS
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.studies.csv_table import csv_table
 
@@ -70,7 +72,13 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
     said: Told = {}
     said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
     said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
-    said["feet"] = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
+    lifted = ups(robot, judged)
+    if lifted:
+        said["feet that lift"] = "; ".join(
+            f"{link} from " + ", ".join(f"{a:.3f} to {b:.3f} s" for a, b in spans) for link, spans in lifted.items()
+        )
+    way = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
+    said["feet"] = f"{way} while they stand" if lifted else way
     shares = {
         "velocity": np.abs(judged.dq[:, robot.base :]) / robot.limits.velocity,
         "torque": np.abs(judged.torque) / robot.limits.torque,
@@ -96,7 +104,24 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
 
 
 def motion_table(robot: MotionRobot, judged: Judged) -> bytes:
-    """t [s], then `q.<joint>` [rad, or m of a prismatic joint]."""
+    """t [s], then `q.<joint>` [rad, or m of a prismatic joint]; where a foot lifts, `stands.<link>` of every foot, 1 or
+    0."""
     table = np.column_stack([judged.time, judged.q[:, robot.base :]])
     rows: Sequence[Sequence[float]] = np.round(table, PLACES).tolist()
-    return csv_table(("t", *(f"q.{name}" for name in robot.joints)), rows)
+    names = ["t", *(f"q.{name}" for name in robot.joints)]
+    if not judged.stands.all():
+        names += [f"{STANDS}{sole.link}" for sole in robot.soles]
+        stands: Sequence[Sequence[int]] = judged.stands.astype(int).tolist()
+        rows = [[*row, *each] for row, each in zip(rows, stands, strict=True)]
+    return csv_table(names, rows)
+
+
+def ups(robot: MotionRobot, judged: Judged) -> dict[str, list[tuple[float, float]]]:
+    """[s] from the first to the last sample at which a foot does not stand, of every foot that lifts."""
+    found = {}
+    for sole, stands in zip(robot.soles, judged.stands.T, strict=True):
+        starts, lengths = runs(~stands)
+        if len(starts):
+            found[sole.link] = [(round(float(judged.time[a]), 6), round(float(judged.time[a + n - 1]), 6))
+                                for a, n in zip(starts, lengths, strict=True)]  # fmt: skip
+    return found

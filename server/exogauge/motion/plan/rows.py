@@ -136,13 +136,14 @@ def spread(node: IntArray, by_q: Array, by_v: Array, by_a: Array, h: float) -> l
 
 
 def equations(
-    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, before: Array | None = None,
-    rest: bool = True,
+    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, first: Array | None = None,
+    led: int = 0, last: Array | None = None,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
     """A x = b: the base is driven by the feet alone, and every foot is where it shall be.
 
-    before: (3, n) first control points, None at rest. rest: at the end. Where the first ones are given, the feet's rows
-    begin with the third node: from the second on they would make of a slip of round-off 3.7 times as much per node.
+    first, last: (3, n) control points that are given, None where none are; of three that are the same the feet's rows
+    leave out the node that they make. led: node with which those rows begin. After control points of another stretch it
+    is the third: from the second on they would make of a slip of round-off 3.7 times as much per node.
     """
     N, n, F = len(slope.torque), robot.model.nq, len(robot.soles)
     rows = Rows(n + 6 * F + 1, N + 2)
@@ -161,20 +162,18 @@ def equations(
         parts.append((node + 1, n + np.arange(6 * F), by_wrench))
         rows.add(parts, now - slope.torque[:, :6].ravel() / weight)
     for f in range(F):
-        led = slice(0 if before is None else 2, None)
-        node = np.repeat(np.arange(N)[led], 6)
-        by_q = slope.feet[led, f].reshape(-1, n)
-        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[led, f].ravel()
+        held = slice(led, N if last is None else N - 1)
+        node = np.repeat(np.arange(N)[held], 6)
+        by_q = slope.feet[held, f].reshape(-1, n)
+        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[held, f].ravel()
         moving = np.concatenate([np.arange(robot.base), robot.leg(f)])
         none = np.zeros_like(by_q)
         parts = [(stage, moving, value[:, moving]) for stage, value in spread(node, by_q, none, none, spline.step)]
         rows.add(parts, bound)
     one = np.ones((n, 1))
-    if before is not None:
-        for k, value in enumerate(before):
-            rows.add([(np.full(n, k), every[:, None], one)], value)
-    for first, second in ([] if before is not None else [(0, 1), (1, 2)]) + ([(N, N - 1), (N + 1, N)] if rest else []):
-        rows.add([(np.full(n, first), every[:, None], one), (np.full(n, second), every[:, None], -one)], np.zeros(n))
+    for start, given in ((0, first), (N - 1, last)):
+        for k, value in enumerate(() if given is None else given):
+            rows.add([(np.full(n, start + k), every[:, None], one)], value)
     return rows.matrix()
 
 

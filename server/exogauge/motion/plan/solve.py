@@ -67,6 +67,10 @@ class Planned:
         at = np.clip(time / self.spline.step, 0.0, len(self.stands) - 1.0)
         return np.asarray(self.stands[np.floor(at + 1e-9).astype(int)] | self.stands[np.ceil(at - 1e-9).astype(int)])
 
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) likewise: it is led to its place by then."""
+        return self.standing(time)
+
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
         nodes = self.spline.step * np.arange(len(self.wrench))
@@ -82,12 +86,14 @@ def plan(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
     stop: Stop | None = None,
 ) -> Planned:  # fmt: skip
-    """Stretch by stretch, each with a look ahead that the next one plans anew. report: told before each round. stop:
-    asked of what was found of a stretch, on the coarse nodes and on all; where it says so the plan ends.
+    """Stretch by stretch, each with a look ahead that the next one plans anew; at rest at both ends, in the postures
+    that are asked there. report: told before each round. stop: asked of what was found of a stretch, on the coarse
+    nodes and on all; where it says so the plan ends.
 
     Raises BadMotion where no posture keeps the feet where they stand, or where it was stopped.
     """
     pairs = Pairs(robot, criteria.clearance_m)
+    home = np.tile(asked.q[0], (3, 1)), np.tile(asked.q[-1], (3, 1))
     asked = cleared(robot, asked, pairs, criteria)
     last = len(asked.q) - 1
     long, ahead = (round(each / asked.step) for each in (criteria.stretch_s, criteria.ahead_s))
@@ -98,8 +104,7 @@ def plan(
     unsettled = list[tuple[float, float]]()
     for k, begin in enumerate(begins):
         end = last if k == len(begins) - 1 else min(begins[k + 1] + ahead, last)
-        before = control[begin : begin + 3] if k else None
-        ends = _Ends(before, end == last)
+        ends = _Ends(control[begin : begin + 3] if k else home[0], 2 if k else 1, home[1] if end == last else None)
         span = begin * asked.step, end * asked.step
 
         def tell(now: Round, part: int = k) -> None:
@@ -124,10 +129,12 @@ def plan(
 @final
 @dataclass(frozen=True)
 class _Ends:
-    """before: (3, n) control points that are given, None at rest. rest: at the end."""
+    """first: (3, n) control points that are given; led: node from which on the feet are. last: (3, n) likewise, None
+    where the motion goes on. Three that are the same are rest there."""
 
-    before: Array | None
-    rest: bool
+    first: Array
+    led: int
+    last: Array | None
 
 
 def _stretch(
@@ -141,10 +148,8 @@ def _stretch(
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
     q = np.stack([on_its_feet(robot, *each) for each in zip(begin, rough.place, strict=True)])
     spline = through(q, rough.step)
-    starts = ends
-    if ends.before is not None:
-        q_0, v_0, a_0 = (each[0] for each in Spline(ends.before, asked.step).at_nodes())
-        starts = replace(ends, before=controls_of(q_0, v_0, a_0, rough.step))
+    q_0, v_0, a_0 = (each[0] for each in Spline(ends.first, asked.step).at_nodes())
+    starts = replace(ends, first=controls_of(q_0, v_0, a_0, rough.step))
     first = Planned(spline, np.zeros((len(q), len(robot.soles), 6)), np.zeros(len(q)), 0, np.inf)
     loose = replace(
         criteria, **{key: criteria.loosely * getattr(criteria, key) for key in ("done_rad", "held", "floats")}
@@ -183,10 +188,10 @@ def _settle(
     ours[:, :n] = 1.0
     ours = ours.ravel()
     low[:, robot.base : n], high[:, robot.base : n] = robot.limits.lower, robot.limits.upper
-    if ends.before is not None:
-        low[:3, robot.base : n], high[:3, robot.base : n] = -np.inf, np.inf
+    for given in [slice(3)] + ([] if ends.last is None else [slice(-3, None)]):
+        low[given, robot.base : n], high[given, robot.base : n] = -np.inf, np.inf
     settled = np.ones_like(asked.stands)  # where the feet can be moved
-    settled[: 0 if ends.before is None else 2] = False
+    settled[: ends.led] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
     kept = spline, wrench, excess  # of the round before
     least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
@@ -218,7 +223,7 @@ def _settle(
                 still = min(max(8.0 * still, 1.0), criteria.stillest) if stuck else still / 2.0
             missed, last = wrong, size
         kept = spline, wrench, excess
-        A, b = equations(robot, asked, spline, wrench, slope, ends.before, ends.rest)
+        A, b = equations(robot, asked, spline, wrench, slope, ends.first, ends.led, ends.last)
         G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria)
         stages = np.zeros((N + 2, wide))
         stages[:, :n] = spline.control

@@ -27,28 +27,42 @@ def plan_within(
     if rest.hopeless:
         return _as_asked(robot, asked, criteria, rate, rest)
     planned = plan(robot, asked, criteria, report, stop)
-    judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
+    judged = _judged(robot, asked, planned, criteria, rate)
     if not judged.broken or planned.unsettled or float(planned.excess.max()) > criteria.over:
-        return planned, _with_unsettled(planned, judged)
+        return planned, _with_reasons(planned, judged, rest)
     stricter = replace(
         criteria, kept=criteria.kept - criteria.more_kept, margin_m=criteria.margin_m + criteria.more_m
     )  # fmt: skip
     if judged.apart.min() < criteria.clearance_m:
         stricter = replace(stricter, apart_m=criteria.apart_m + criteria.more_m)
     again = plan(robot, asked, stricter, report, stop)
-    found = judge(robot, again.spline, asked.place[0], criteria, rate, again)
+    found = _judged(robot, asked, again, criteria, rate)
     if len(found.broken) < len(judged.broken):
-        return again, _with_unsettled(again, found)
+        return again, _with_reasons(again, found, rest)
     return planned, judged
 
 
-def _with_unsettled(planned: Planned, judged: Judged) -> Judged:
-    """Where something is broken: in which stretches no plan was found, which is why."""
+def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: MotionPlan, rate: float | None) -> Judged:
+    """Where it begins and ends is looked at too: a robot at home would jump there."""
+    judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
+    ends = planned.spline.at(np.array([0.0, planned.spline.duration]))[0]
+    lines = list[str]()
+    for what, posture, home in zip(("begins", "ends"), ends, asked.q[[0, -1]], strict=True):
+        aside = np.abs(posture - home)[robot.base :]
+        if aside.max() > criteria.aside:
+            lines.append(f"the motion {what} beside home: {robot.joints[aside.argmax()]} by {aside.max():.3g}, at most "
+                         f"{criteria.aside:g} is asked")  # fmt: skip
+    return replace(judged, broken=(*lines, *judged.broken))
+
+
+def _with_reasons(planned: Planned, judged: Judged, rest: AtRest) -> Judged:
+    """Where something is broken: what home itself lacks, in which stretches no plan was found."""
     if not judged.broken:
         return judged
+    home = [str(rest)] if rest.excess > 0.0 and rest.needs > rest.bears else []
     lines = [f"no plan that keeps every bound was found from {a:.2f} to {b:.2f} s; what follows is of the nearest"
              for a, b in planned.unsettled]  # fmt: skip
-    return replace(judged, broken=(*lines, *judged.broken))
+    return replace(judged, broken=(*home, *lines, *judged.broken))
 
 
 def _as_asked(

@@ -1,7 +1,8 @@
-"""A file of joint angles as a motion of a robot whose left foot stands."""
+"""A file of joint angles as a motion of a robot on its feet, and which of them stand."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -17,18 +18,23 @@ from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.standing import base_on, home_of
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 FEWEST = 4  # samples that make a cubic
+STANDS = "stands."  # and the link of a foot: 1 where it stands, 0 where it is up
+SAME_S = 1e-6  # what rounding leaves of a time
 
 
 @final
 @dataclass(frozen=True)
 class Written:
-    """time: (T,) [s] from 0; q: (T, n). held: joints that the file does not name, at home throughout."""
+    """time: (T,) [s] from 0; q: (T, n). held: joints that the file does not name, at home throughout. stands: (T, F)
+    feet in the order of the robot's soles."""
 
     time: Array
     q: Array
     held: tuple[str, ...]
+    stands: BoolArray
 
     @property
     def duration(self) -> float:
@@ -40,9 +46,45 @@ class Written:
         whole = CubicSpline(self.time, self.q)
         return whole(time), whole(time, 1), whole(time, 2)
 
+    def jerk(self, time: Array) -> Array:
+        """(T, n) at times (T,): third divided differences of four samples, two on each side as far as there are. They
+        are means, by a B-spline, of the jerk that was sampled, and so no larger; that of the cubic through the samples
+        is, where the jerk jumps between them.
+
+        de Boor, A Practical Guide to Splines, 1978, chapter IX (6).
+        """
+        rates, t = self.q, self.time
+        for order in (1, 2, 3):
+            rates = order * np.diff(rates, axis=0) / (t[order:] - t[:-order])[:, None]
+        before = np.searchsorted(t, time + SAME_S, side="right") - 2
+        return np.asarray(rates[np.clip(before, 0, len(rates) - 1)])
+
+    def standing(self, time: Array) -> BoolArray:
+        """(T, F) at times (T,): a foot may bear from the sample before the one at which it stands to the one after;
+        when between two samples it lifts, a table does not say."""
+        before, after = self._around(time)
+        return np.asarray(self.stands[before] | self.stands[after])
+
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) at times (T,): a foot must not move where it stands at the samples before and after."""
+        before, after = self._around(time)
+        return np.asarray(self.stands[before] & self.stands[after])
+
+    def _around(self, time: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """(T,) samples at or before, and at or after."""
+        before = np.searchsorted(self.time, time + SAME_S, side="right") - 1
+        after = np.searchsorted(self.time, time - SAME_S, side="left")
+        last = len(self.time) - 1
+        return np.clip(before, 0, last), np.clip(after, 0, last)
+
+    def loads(self, time: Array) -> Array:
+        """(T, 6 F) [N, N·m]: a table says nothing of them."""
+        return np.zeros((len(time), 6 * self.stands.shape[1]))
+
 
 def read_written(robot: MotionRobot, path: Path) -> Written:
-    """Columns t [s] and q.<joint> [rad or m]; the base is where the left foot puts it. Raises BadMotion, BadLog."""
+    """Columns t [s] and q.<joint> [rad or m]; the base is where the feet that stand put it: all, but those whose column
+    stands.<link> says 0. Raises BadMotion, BadLog."""
     if not path.is_file():
         raise BadMotion(Fault("there is no such file", "no_file", "Look at its name", path.name))
     table = open_table(path, path.name)
@@ -52,7 +94,8 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
         raise BadMotion(Fault("no motion of this robot is in the file", "missing_column",
                               f"Columns t [s] and q.<joint>, as q.{robot.joints[0]}", path.name, 0,
                               "t" if "t" not in names else f"q.{robot.joints[0]}"))  # fmt: skip
-    columns = table.read(["t", *(f"q.{name}" for name in known)])
+    feet = _feet(robot, names, path.name)
+    columns = table.read(["t", *(f"q.{name}" for name in known), *feet])
     for name, values in columns.items():
         wrong = np.flatnonzero(~np.isfinite(values))
         if len(wrong):
@@ -68,5 +111,35 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     q = np.tile(home_of(robot), (len(time), 1))
     for name in known:
         q[:, robot.base + robot.joints.index(name)] = columns[f"q.{name}"]
-    q[:, : robot.base] = base_on(robot, q)
-    return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known))
+    stands = _stands(robot, {name: columns[name] for name in feet}, len(time), path.name)
+    q[:, : robot.base] = base_on(robot, q, stands)
+    return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known), stands)
+
+
+def _feet(robot: MotionRobot, names: Collection[str], file: str) -> list[str]:
+    """The columns that say which feet stand."""
+    known = [f"{STANDS}{sole.link}" for sole in robot.soles]
+    for name in names:
+        if name.startswith(STANDS) and name not in known:
+            raise BadMotion(Fault("the robot has no such foot", "unknown_foot", f"Name one of {', '.join(known)}", file,
+                                  0, name))  # fmt: skip
+    return [name for name in known if name in names]
+
+
+def _stands(robot: MotionRobot, columns: Mapping[str, Array], count: int, file: str) -> BoolArray:
+    """(T, F)"""
+    stands = np.ones((count, len(robot.soles)), dtype=bool)
+    for f, sole in enumerate(robot.soles):
+        name = f"{STANDS}{sole.link}"
+        if name not in columns:
+            continue
+        wrong = np.flatnonzero((columns[name] != 0.0) & (columns[name] != 1.0))
+        if len(wrong):
+            raise BadMotion(Fault("the cell is neither 0 nor 1", "not_a_truth", "1 where the foot stands, else 0", file,
+                                  int(wrong[0]) + 1, name, f"{columns[name][wrong[0]]:g}"))  # fmt: skip
+        stands[:, f] = columns[name] == 1.0
+    flies = np.flatnonzero(~stands.any(axis=1))
+    if len(flies):
+        raise BadMotion(Fault("no foot stands", "flight", "Cut the motion: a robot that stands cannot fly", file,
+                              int(flies[0]) + 1, next(iter(columns))))  # fmt: skip
+    return stands

@@ -15,6 +15,8 @@ from exogauge.sandbox import LogRequest, parse_log
 from exogauge.studies.intake.contract import PLANS_BESIDE, PLANS_LISTED
 from exogauge.studies.intake.open import Study
 
+FEET = "stands."  # columns that say which feet stand: joints alone tell which plan a log is of
+
 
 @final
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def _add(found: list[StudyPlan], path: Path, name: str, file: str | None, plan_i
             if same.plan_id is None:
                 found[k] = StudyPlan(same.series, same.file, plan_id, digest, source)
             return
-    log = parse_log(LogRequest(name, {file or path.name: path}))
+    log = parse_log(LogRequest(name, {file or path.name: path}, left_out=FEET))
     q = {channel.removeprefix("q."): values for channel, values in log.channels.items() if channel.startswith("q.")}
     found.append(StudyPlan(PlannedSeries(name, log.time - log.time[0], q), file, plan_id, digest, source))
 

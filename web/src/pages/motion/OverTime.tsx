@@ -67,7 +67,7 @@ function Shown({ source, first, stage }: Props) {
             </div>
           )}
           {series ? (
-            <PlotStack source={source} series={series} view={view} first={first} cursor={cursor} onView={change} />
+            <PlotStack source={source} series={series} view={view} first={first} cursor={cursor} motion onView={change} />
           ) : (
             !error && <Loading what="the series" />
           )}
