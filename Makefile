@@ -11,8 +11,9 @@ CHROMIUM := command -v chromium >/dev/null || { \
 	echo "installing Chromium with apt-get …"; \
 	apt-get update -qq && apt-get install -y -qq chromium >/dev/null || { \
 	echo "install the package chromium and try again"; exit 1; }; }
-# A file's tests stay in one process: a study that they share is evaluated in one of the two, not in both.
-TESTS := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+# A file's tests stay in one process: a study that they share is evaluated once. Twice as many processes as the two
+# cores that are counted on: nearly half of the time a test waits for a service, a lease or a worker.
+TESTS := $(BIN)/python -m pytest -n 4 --dist loadfile --no-loadscope-reorder
 export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 

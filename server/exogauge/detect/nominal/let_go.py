@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.detect.nominal.contradicted import row_memory, tilting
 from exogauge.detect.nominal.nominal_values import Stated, gain_columns, stated_numbers
@@ -52,11 +53,13 @@ def contradicted_by_far(model: RobotModel, logs: Sequence[Log]) -> list[LetGo]:
     """One after the other, with all that would explain as much. A number is off by more than its doubt, or not let go.
 
     None where a gain that all feet share would do as well, as then nothing says which of them it is; no motor's where
-    one factor on all of them would.
+    one factor on all of them would, nor of one that hardly moved: what friction holds says nothing of gain or weight.
     """
     criteria = model.criteria
     asked, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
+    long = _moved_s(model, logs) >= criteria.judging.needed_s
     numbers = [each for each in asked if each.sort in SAID and _doubt(model, each) > 0.0]
+    numbers = [each for each in numbers if (long[each.index] if each.sort == "gain" else long.any())]
     common = [each for each in asked if each.sort in ("gains", "feet")]
     gone = list[LetGo]()
     while numbers:
@@ -72,6 +75,11 @@ def contradicted_by_far(model: RobotModel, logs: Sequence[Log]) -> list[LetGo]:
         data = data.without(np.concatenate([each.columns for each in together]))
         numbers = [each for each in numbers if not any(each is one for one in together)]
     return gone
+
+
+def _moved_s(model: RobotModel, logs: Sequence[Log]) -> NDArray[np.float64]:
+    """(A,) [s] of steady motion of each axis."""
+    return np.asarray(sum(model.prepare(log).steady.sum(axis=0) / log.rate_hz for log in logs), dtype=np.float64)
 
 
 def believed_less(robot: Robot, gone: Sequence[LetGo]) -> Robot:
