@@ -59,7 +59,7 @@ screenshots: web  ## the same, keeping a picture of every page in the folder SCR
 	@$(CHROMIUM)
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
-check: web  ## style, types, import layers, migrations and the quick tests, in under three minutes
+check: web  ## style, types, import layers, migrations and the quick tests
 	@$(MAKE) --no-print-directory -j 2 types style layers page
 	$(TESTS) -m "not slow"
 
