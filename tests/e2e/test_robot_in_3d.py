@@ -72,7 +72,8 @@ def shown_time(page: Page) -> float:
 def read_at(page: Page) -> list[float]:
     """The times [s] at which the tables beside the plots read."""
     captions = page.locator("caption").filter(has_text=re.compile(r"At \d")).all_inner_texts()
-    return [float(re.sub(r"[^\d.]", "", text)) for text in captions]
+    digits = [re.sub(r"[^\d.]", "", text) for text in captions]
+    return [float(each) for each in digits if each]  # one may have changed since it was found
 
 
 def wait_until_read_at(page: Page, wanted: float) -> None:
