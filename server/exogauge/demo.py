@@ -33,7 +33,7 @@ from exogauge.terminal import bar
 
 SEED = 1
 START_S = 120.0
-SLOWER = (1.0, 1.5, 2.0)
+SLOWER = (1.0, 1.5, 2.0)  # judgement: times the time; a bow of 02_06 stood at the first with 30 mm
 MARGINS_M = (0.02, 0.03, 0.04)  # of the centre of pressure: nothing but the plan keeps the sample's robot upright
 ANNOUNCED = "exogauge serves on "
 

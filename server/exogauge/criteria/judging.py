@@ -86,6 +86,12 @@ class Judging:
         "that a declared uncertainty may lie from none, for what it explains to count as declared: one in a hundred",
         judgement(MISSING),
     )
+    declared_told: float = criterion(
+        0.1,
+        "share",
+        "of what all declared uncertainties do together, from which on one of them is named: less of it is no advice",
+        judgement(MISSING),
+    )
     sure_above: float = criterion(
         3.0,
         "z",

@@ -31,8 +31,6 @@ from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
-TENTH = 0.1  # of what all inputs do together: less of it is no advice
-
 
 @final
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
     kinds, within = {channel: kind for kind, channel in all_channels(model.equations).items()}, list[Excess]()
     for excess in excesses:
         sums = [(number, log[kinds[excess.channel]]) for number, log in enumerate(logs) if kinds[excess.channel] in log]
-        before = sum(each.square for _, each in sums)
+        before = sum((each.square for _, each in sums), 1e-300)
         after = sum(each.left(inputs[number]) for number, each in sums)
         if excess.rmse * np.sqrt(max(after, 0.0) / before) < judging.above * excess.noise_floor:
             within.append(excess)
@@ -72,7 +70,7 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
 
 
 def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Array) -> tuple[str, ...]:
-    """Kinds of inputs that each put a tenth or more into the residuals of what all of them do, what does most first."""
+    """Kinds of inputs that do a part worth telling of what all of them do to the residuals, what does most first."""
     shared, own = _sizes(model)
     zeros = len(shared) - len(model.inputs.names)
     names = [
@@ -84,7 +82,7 @@ def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Arr
     for name in done:
         for u, log in zip(np.where(np.array(names) == name, inputs, 0.0), logs, strict=True):
             done[name] += sum(float(model.solution.weights[kind] * u @ each.own @ u) for kind, each in log.items())
-    told = [name for name in done if done[name] >= TENTH * sum(done.values())]
+    told = [name for name in done if done[name] >= model.criteria.judging.declared_told * sum(done.values())]
     return tuple(sorted(told, key=lambda name: -done[name]))
 
 

@@ -115,50 +115,9 @@ def judge(
         normals = edges[tuple(stands[t])]  # outward, and offsets
         inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
         carried[t] = force[2] / robot.weight
-    limits = robot.limits
-    slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
-    jerk = slopes[:, base:]
-    angle = q[:, base:]
-    sizes = (  # what, share of the bound, what is counted
-        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
-        ("velocity", np.abs(v[:, base:]) / limits.velocity, v[:, base:]),
-        ("acceleration", np.abs(a[:, base:]) / limits.acceleration, a[:, base:]),
-        ("jerk", np.abs(jerk) / robot.jerk, jerk),
-        ("torque", np.abs(torque) / limits.torque, torque),
-    )
-    broken = []
-    for what, ratio, value in sizes:
-        for j in np.flatnonzero((ratio > 1.0 + criteria.beyond).any(axis=0)):
-            t = int(ratio[:, j].argmax())
-            often = 100.0 * float((ratio[:, j] > 1.0 + criteria.beyond).mean())
-            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, beyond its bound in "
-                          f"{often:.2g} % of samples")  # fmt: skip
-    for what, low, least, unit in (
-        ("centre of pressure inside the soles", inside, criteria.inside_m, "m"),
-        ("weight on the feet", carried, criteria.least_weight, "of the weight"),
-    ):
-        if low.min() < least:
-            broken.append(f"{what}: {low.min():.4g} {unit} at {time[low.argmin()]:.3f} s, at least {least:g} is asked")
-    for what, far, most, unit in (
-        ("way", strays[:, 0], criteria.feet_m, "m"),
-        ("turn", strays[:, 1], criteria.feet_rad, "rad"),
-    ):
-        if far.max() > most:
-            broken.append(f"{what} of a standing foot: {far.max():.3g} {unit} at {time[far.argmax()]:.3f} s")
-    pairs = Pairs(robot, criteria.clearance_m)
-    near = pairs.near(q, criteria.look_m)
-    apart, nearest = np.full(T, criteria.look_m), None
-    np.minimum.at(apart, near.sample, near.distance)
-    if len(near.distance):
-        k = int(near.distance.argmin())
-        nearest = (*pairs.names[near.pair[k]], float(time[near.sample[k]]))
-    for p in np.unique(near.pair[near.distance < criteria.clearance_m]):
-        own = near.pair == p
-        k = int(near.distance[own].argmin())
-        often = 100.0 * float((near.distance[own] < criteria.clearance_m).sum()) / T
-        broken.append(f"distance of {' and '.join(pairs.names[p])}: {near.distance[own][k]:.4g} m at "
-                      f"{time[near.sample[own][k]]:.3f} s, at least {criteria.clearance_m:g} is asked, less in "
-                      f"{often:.2g} % of samples")  # fmt: skip
+    broken = _over_bounds(robot, motion, time, (q[:, base:], v[:, base:], a, torque), rate, criteria)
+    broken += _not_standing(time, inside, carried, strays, criteria)
+    apart, nearest, left_out, touching = _distances(robot, time, q, criteria)
     feet_m, feet_rad = strays.max(axis=0).tolist()
     return Judged(
         time,
@@ -173,9 +132,74 @@ def judge(
         feet_rad,
         apart,
         nearest,
-        pairs.left_out,
-        tuple(broken),
+        left_out,
+        (*broken, *touching),
     )
+
+
+def _over_bounds(
+    robot: MotionRobot, motion: Trajectory, time: Array, moved: tuple[Array, ...], rate: float, criteria: MotionPlan
+) -> list[str]:
+    """Joints beyond what they bear. moved: positions (T, J), velocities (T, J), accelerations of all that moves,
+    torques (T, J)."""
+    angle, v, a, torque = moved
+    limits, base = robot.limits, robot.base
+    slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
+    a, jerk = a[:, base:], slopes[:, base:]
+    sizes = (  # what, share of the bound, what is counted
+        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
+        ("velocity", np.abs(v) / limits.velocity, v),
+        ("acceleration", np.abs(a) / limits.acceleration, a),
+        ("jerk", np.abs(jerk) / robot.jerk, jerk),
+        ("torque", np.abs(torque) / limits.torque, torque),
+    )
+    broken = []
+    for what, ratio, value in sizes:
+        for j in np.flatnonzero((ratio > 1.0 + criteria.beyond).any(axis=0)):
+            t = int(ratio[:, j].argmax())
+            often = 100.0 * float((ratio[:, j] > 1.0 + criteria.beyond).mean())
+            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, beyond its bound in "
+                          f"{often:.2g} % of samples")  # fmt: skip
+    return broken
+
+
+def _not_standing(time: Array, inside: Array, carried: Array, strays: Array, criteria: MotionPlan) -> list[str]:
+    """Where the robot would tip over, or its feet would come off or slip. strays: (T, 2) [m, rad]."""
+    broken = []
+    for what, low, least, unit in (
+        ("centre of pressure inside the soles", inside, criteria.inside_m, "m"),
+        ("weight on the feet", carried, criteria.least_weight, "of the weight"),
+    ):
+        if low.min() < least:
+            broken.append(f"{what}: {low.min():.4g} {unit} at {time[low.argmin()]:.3f} s, at least {least:g} is asked")
+    for what, far, most, unit in (
+        ("way", strays[:, 0], criteria.feet_m, "m"),
+        ("turn", strays[:, 1], criteria.feet_rad, "rad"),
+    ):
+        if far.max() > most:
+            broken.append(f"{what} of a standing foot: {far.max():.3g} {unit} at {time[far.argmax()]:.3f} s")
+    return broken
+
+
+def _distances(
+    robot: MotionRobot, time: Array, q: Array, criteria: MotionPlan
+) -> tuple[Array, tuple[str, str, float] | None, tuple[tuple[str, str], ...], list[str]]:
+    """(T,) [m] of the nearest pair, at most `look_m`; that pair and when; pairs that may touch; pairs too near."""
+    pairs = Pairs(robot, criteria.clearance_m)
+    near = pairs.near(q, criteria.look_m)
+    apart, nearest, broken = np.full(len(time), criteria.look_m), None, list[str]()
+    np.minimum.at(apart, near.sample, near.distance)
+    if len(near.distance):
+        k = int(near.distance.argmin())
+        nearest = (*pairs.names[near.pair[k]], float(time[near.sample[k]]))
+    for p in np.unique(near.pair[near.distance < criteria.clearance_m]):
+        own = near.pair == p
+        k = int(near.distance[own].argmin())
+        often = 100.0 * float((near.distance[own] < criteria.clearance_m).sum()) / len(time)
+        broken.append(f"distance of {' and '.join(pairs.names[p])}: {near.distance[own][k]:.4g} m at "
+                      f"{time[near.sample[own][k]]:.3f} s, at least {criteria.clearance_m:g} is asked, less in "
+                      f"{often:.2g} % of samples")  # fmt: skip
+    return apart, nearest, pairs.left_out, broken
 
 
 def _edges(robot: MotionRobot, corners: Array, stands: NDArray[np.bool_]) -> dict[tuple[bool, ...], Array]:
