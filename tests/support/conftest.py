@@ -6,7 +6,7 @@ outside forces at their via points, and the motors give what is then missing, fr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 
@@ -456,3 +456,20 @@ def lasting(rng: np.random.Generator, shape: tuple[int, int], seconds: float) ->
     white = rng.normal(size=shape)
     white[0] /= np.sqrt(1.0 - rho**2)
     return np.asarray(lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white, axis=0))
+
+
+@pytest.fixture(scope="session")
+def recorded() -> Callable[[Biped, Device, Iterable[str]], dict[str, Log]]:
+    """A stoop again and again, by name; the suit is on where the name says `worn`. No two runs stand on their feet
+    alike; sensors have noise."""
+
+    def recorded(biped: Biped, suit: Device, names: Iterable[str]) -> dict[str, Log]:
+        return {
+            name: biped.record(
+                stoop(k), name, suit.bands if "worn" in name else (), share=lambda t, k=k: 0.5 + 0.3 * np.sin(t + k),
+                noise=1.0, seed=k,
+            ).log
+            for k, name in enumerate(names)
+        }  # fmt: skip
+
+    return recorded

@@ -45,15 +45,9 @@ def model(biped):
 
 
 @pytest.fixture(scope="module")
-def clean(biped, suit, stoop):
-    """Logs of motors that stay as they are. No two runs stand on their feet alike; sensors have noise."""
-    return {
-        name: biped.record(
-            stoop(k), name, suit.bands if "worn" in name else (), share=lambda t, k=k: 0.5 + 0.3 * np.sin(t + k),
-            noise=1.0, seed=k,
-        ).log
-        for k, name in enumerate(STARTS)
-    }  # fmt: skip
+def clean(biped, suit, recorded):
+    """Logs of motors that stay as they are."""
+    return recorded(biped, suit, STARTS)
 
 
 def asked(clean, suit, sign):

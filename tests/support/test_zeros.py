@@ -46,14 +46,8 @@ def suit(suit):
 
 
 @pytest.fixture(scope="module")
-def clean(biped, suit, stoop):
-    return {
-        name: biped.record(
-            stoop(k), name, suit.bands if "worn" in name else (), share=lambda t, k=k: 0.5 + 0.3 * np.sin(t + k),
-            noise=1.0, seed=k,
-        ).log
-        for k, name in enumerate(STARTS)
-    }  # fmt: skip
+def clean(biped, suit, recorded):
+    return recorded(biped, suit, STARTS)
 
 
 @pytest.fixture(scope="module")
