@@ -379,13 +379,10 @@ class Profiles:
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
         shift = value - float(coarse.wear.springs[index])
-        reached = {value: coarse.wear}
 
         @cache  # both ends, and both of a search for either, ask for the same values again
         def excess(candidate: float) -> float:
-            nearest = reached[min(reached, key=lambda other: abs(other - candidate))]
-            held = fit(few, nearest, {index: max(candidate - shift, SHORTEST)})
-            reached[candidate] = held.wear
+            held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
             return float(share * (held.cost - coarse.cost) - Z95**2)
 
         return (
