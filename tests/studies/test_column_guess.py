@@ -169,7 +169,9 @@ def test_a_wrench_without_a_name_is_the_only_sensors_and_nobodys_where_there_are
     names = ["Fx_N", "Fy_N", "Fz_N", "Tx_Nm", "Ty_Nm", "Tz_Nm"]
     seen = [Seen(name, -20.0, 20.0) for name in names]
     found = guess(seen, Wearer(ROBOT.joints, ("wrist",)), {})
-    assert [found[name].channel for name in names] == [f"ft.wrist.{part}" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
+    assert [found[name].channel for name in names] == [
+        f"ft.wrist.{part}" for part in ("fx", "fy", "fz", "mx", "my", "mz")
+    ]
     assert {found[name].why for name in names} == {"the robot has one sensor"}
     assert not any(found[name].sure for name in names)
     assert all(isinstance(each, Advice) for each in guess(seen, ROBOT, {}).values())

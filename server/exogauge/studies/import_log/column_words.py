@@ -39,7 +39,8 @@ COMMANDED = {
     "planned",
 }
 FILLERS = {
-    "joint", "joints", "jnt", "j", "axis", "axes", "ax", "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
+    "axis", "axes", "ax", "joint", "joints", "jnt", "j",
+    "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
     "robot", "raw", "value", "values", "sensor", "sensors", "imu", "motor", "motors", "rotor", "read", "header", "link",
     "linear", "angular", "ft", "wrench", "force", "forces", "log", "recv", "sec", "secs", "of", "the",
 }  # fmt: skip
