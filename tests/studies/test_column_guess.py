@@ -150,6 +150,35 @@ def test_numbered_columns_are_joints_in_order_only_where_there_are_as_many_and_n
     assert all(isinstance(each, Advice) for each in fewer.values())
 
 
+@pytest.mark.parametrize("called", ["ax{}.pos_deg", "Axis{} [deg]", "axis_{}_angle_deg"])
+def test_axes_that_are_numbered_are_joints_and_no_accelerometers(called: str) -> None:
+    names = [called.format(k + 1) for k in range(3)]
+    found = guess([Seen(name, -5.0, 60.0) for name in names], ROBOT, {})
+    assert [found[name].channel for name in names] == ["q.torso_pitch", "q.torso_yaw", "q.l_knee"]
+    assert not any(found[name].sure for name in names)
+    triple = guess([Seen(f"a{axis} [m/s^2]", -10.0, 10.0) for axis in "xyz"], ROBOT, {})
+    assert [each.channel for each in triple.values()] == ["acc.x", "acc.y", "acc.z"]
+
+
+@pytest.mark.parametrize(("name", "sure"), [("clk[ms]", True), ("elapsed [ms]", False)])
+def test_a_clock_by_any_other_name_is_told_by_its_unit_where_it_rises(name: str, sure: bool) -> None:
+    found = one(name, 7000.0, 32000.0, step=8.0)
+    assert (found.channel, found.unit, found.sure) == ("t", "ms", sure)
+    assert isinstance(one("latency [ms]", 0.0, 3.0), Advice)
+
+
+def test_a_wrench_without_a_name_is_the_only_sensors_and_nobodys_where_there_are_two() -> None:
+    names = ["Fx_N", "Fy_N", "Fz_N", "Tx_Nm", "Ty_Nm", "Tz_Nm"]
+    seen = [Seen(name, -20.0, 20.0) for name in names]
+    found = guess(seen, Wearer(ROBOT.joints, ("wrist",)), {})
+    assert [found[name].channel for name in names] == [
+        f"ft.wrist.{part}" for part in ("fx", "fy", "fz", "mx", "my", "mz")
+    ]
+    assert {found[name].why for name in names} == {"the robot has one sensor"}
+    assert not any(found[name].sure for name in names)
+    assert all(isinstance(each, Advice) for each in guess(seen, ROBOT, {}).values())
+
+
 def test_two_columns_for_one_channel_are_both_left_open() -> None:
     found = guess([Seen("time", 0.0, 5.0, 0.005), Seen("header.stamp", 0.0, 5.0, 0.005)], ROBOT, {})
     assert all(isinstance(each, Advice) and "'time', 'header.stamp'" in each.text for each in found.values())

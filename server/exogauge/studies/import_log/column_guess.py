@@ -67,13 +67,15 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
         return joint_column(column, kinds[0], named[0], words, wearer, "the name says which joint", sure=True)
     if named is not None and kinds == ("acc",):
         return joint_column(column, "ddq", named[0], words, wearer, "an acceleration of the joint", sure=False)
+    kind = kinds[0] if len(kinds) == 1 else _by_unit(words, [token for token in rest if not token.isdecimal()])
+    if column.name in numbered and kind in OF_JOINTS:  # before `ax1`, of axis 1, is taken for an accelerometer's x
+        why = "joints are numbered in the robot's order: check that the log has the same"
+        return joint_column(column, kind, numbered[column.name], words, wearer, why, sure=False)
     if (body := body_column(column, words, kinds, wearer, norms)) is not None:
         return body
+    if not kinds and words.unit in SECONDS and column.step is not None:
+        return Suggestion("t", words.unit, why=f"it is in {words.unit} and rises from row to row")
     if len(kinds) == 1 and kinds[0] in SI:
-        if column.name in numbered:
-            joint = numbered[column.name]
-            why = "joints are numbered in the robot's order: check that the log has the same"
-            return joint_column(column, kinds[0], joint, words, wearer, why, sure=False)
         if wearer.joints is None and (joint := _left_over(column.name, rest)):
             why = "no robot is given, so the joint is called as in the column"
             return joint_column(column, kinds[0], joint, words, wearer, why, sure=False)
@@ -282,7 +284,8 @@ def body_column(
         return _imu(column, kind, axis[1], words, norms)
     if kind not in ("f", "m"):
         return None
-    sensor = _sensor_in(words, wearer)
+    named = _sensor_in(words, wearer)
+    sensor = named or (wearer.sensors[0] if len(wearer.sensors) == 1 else None)
     if sensor is None:
         known = ", ".join(wearer.sensors) or "the robot has none, or no robot is given"
         return Advice(f"A component of a wrench, but of which sensor? ({known}) {UNKNOWN}")
@@ -292,9 +295,8 @@ def body_column(
     if found is None or found.dimension not in dimensions_of(channel):
         return Advice(f"Its name says {unit}, which is no unit of a {'force' if kind == 'f' else 'moment'}. {UNKNOWN}")
     rests = "" if words.unit else f"; the unit is not named: {unit} is usual"
-    return Suggestion(
-        channel.name, unit, sure=words.unit is not None, why=f"the name says which sensor and axis{rests}"
-    )
+    which = "the name says which sensor and axis" if named else "the robot has one sensor"
+    return Suggestion(channel.name, unit, sure=bool(named and words.unit), why=f"{which}{rests}")
 
 
 def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, float]) -> Suggestion | Advice:

@@ -14,7 +14,7 @@ from typing import Literal, final
 from exogauge.logs.units import find_unit
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
-    "t": ("t", "time", "timestamp", "timestamps", "stamp", "clock"),
+    "t": ("t", "time", "timestamp", "timestamps", "stamp", "clock", "clk"),
     "q": ("q", "qpos", "pos", "position", "positions", "angle", "angles", "theta", "enc", "encoder"),
     "dq": ("dq", "qd", "qdot", "qvel", "vel", "velocity", "velocities", "speed", "speeds"),
     "ddq": ("ddq", "qdd", "qddot", "qacc"),
@@ -39,7 +39,8 @@ COMMANDED = {
     "planned",
 }
 FILLERS = {
-    "joint", "joints", "jnt", "j", "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
+    "axis", "axes", "ax", "joint", "joints", "jnt", "j",
+    "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
     "robot", "raw", "value", "values", "sensor", "sensors", "imu", "motor", "motors", "rotor", "read", "header", "link",
     "linear", "angular", "ft", "wrench", "force", "forces", "log", "recv", "sec", "secs", "of", "the",
 }  # fmt: skip
@@ -84,7 +85,7 @@ def words_of(name: str) -> Words:
     bracket = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
     if bracket and not bracket.group(1).isdecimal() and (found := known_unit(bracket.group(1))):
         bare, unit = name[: bracket.start()], found
-    tail = re.search(r"[_\s]([A-Za-z]{2,})$", bare)
+    tail = re.search(r"[_\s]([A-Za-z]{2,}|N)$", bare)
     if unit is None and tail and find_unit(tail.group(1)) is not None:  # `_mA`, which small letters would not tell
         bare, unit = bare[: tail.start()], tail.group(1)
     squared = re.search(r"[_\s]([A-Za-z]+2)$", bare)
