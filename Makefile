@@ -29,6 +29,7 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -m venv $(VENV)
 	@$(PIP) --require-hashes -r requirements.lock
 	@$(PIP) --no-deps --no-build-isolation --editable .
+	@$(BIN)/python -m exogauge.loops
 	@touch $(READY)
 
 install: web  ## put exogauge and all it needs into .venv

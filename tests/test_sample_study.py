@@ -1,21 +1,41 @@
 """The ideal sample through the product: made by MuJoCo, evaluated without its truth, then scored against it."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
-from exogauge.studies.evaluate import evaluate
 from exogauge.synthetic import write_sample
 
 pytestmark = pytest.mark.slow
+
+EVALUATED = """
+import sys
+from pathlib import Path
+from exogauge.studies.evaluate import evaluate
+folder = Path(sys.argv[1])
+evaluate(folder / "study" / "study.yaml", folder / "out", lambda *_: None)
+
+from numba.core.sigutils import normalize_signature
+from exogauge.loops.compiled import ahead
+declared = {}
+for loop, types in ahead:
+    declared.setdefault(loop, set()).add(normalize_signature(types)[0])
+for loop, types in declared.items():
+    for called in set(loop.signatures) - types:
+        print(loop.py_func.__name__, called)
+"""
 
 
 @pytest.fixture(scope="module")
 def scored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sample")
     write_sample(folder / "study", 1, suit="none", realism="ideal")
-    evaluate(folder / "study" / "study.yaml", folder / "out", lambda *_: None)
+    done = subprocess.run([sys.executable, "-c", EVALUATED, folder], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "", "loops were called with types for which they are not compiled ahead"
     results = json.loads((folder / "out" / "results.json").read_text())
     assert results["discrepancy"]["verdict"] == "none"  # nothing is hidden in it
     return results["identification"], json.loads((folder / "study" / "truth.json").read_text())["parameters"]

@@ -187,3 +187,14 @@ def test_the_studies_are_whole_before_anything_is_changed() -> None:
             assert not [each for each in content["doctor"] if each["severity"] == "error"]
     assert set(recorded(True)) == set(LOGS)
     assert RATE > 50.0
+
+
+def test_what_the_doctor_holds_for_wrong_stands_before_all_that_was_found(tmp_path: Path) -> None:
+    logs = {name: columns | {"q.j2": np.radians(columns["q.j2"])} for name, columns in recorded(False).items()}
+    study = write_study(tmp_path / "study", False, logs, robot_yaml(False), "", "[identify, discrepancy]")
+    evaluate(study, tmp_path / "out", lambda *_: None)
+    content = json.loads((tmp_path / "out" / "results.json").read_text())
+    (told,) = [each for each in content["notices"] if each["code"] == "doctor_errors"]
+    assert told["names"] == ["q.j2"]
+    page = (tmp_path / "out" / "summary.html").read_text()
+    assert 0 <= page.index("The doctor holds q.j2 for wrong") < page.index("RMSE on")

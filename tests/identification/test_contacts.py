@@ -39,5 +39,11 @@ def test_a_wrench_does_the_same_on_its_path_as_in_the_whole_tree(base, floating)
     expected = sum(contact_effect(tree, q, frame, wrenches[:, k]) for k, frame in enumerate(frames))
     expected[:, -3:] = expected[:, -3:] @ np.linalg.inv(C)
     assert np.abs(ContactPaths(robot).effect(q, wrenches) - expected).max() < 1e-12
+    for sensor in range(len(frames)):
+        parts = np.zeros_like(wrenches)
+        parts[:, sensor] = wrenches[:, sensor]
+        by_component = ContactPaths(robot).of_components(q, sensor)
+        summed = np.einsum("tcr,tc->tr", by_component, wrenches[:, sensor])
+        assert np.abs(summed - ContactPaths(robot).effect(q, parts)).max() < 1e-12
     without = replace(robot, sensors=())
     assert not ContactPaths(without).effect(q, wrenches[:, :0]).any()

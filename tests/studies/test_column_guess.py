@@ -45,6 +45,8 @@ def one(name: str, low: float = -1.0, high: float = 1.0, wearer: Wearer = ROBOT,
         ("torso_yaw_joint_mA", (-900.0, 900.0), "i.torso_yaw", "mA"),
         ("torso_yaw [N·m]", (-30.0, 30.0), "tau.torso_yaw", "N·m"),
         ("l_knee (rpm)", (-3.0, 3.0), "dq.l_knee", "rpm"),
+        ("l_knee_vel_degps", (-90.0, 90.0), "dq.l_knee", "deg/s"),
+        ("imu_acc_z_mps2", (9.0, 10.5), "acc.z", "m/s^2"),
     ],
 )  # fmt: skip
 def test_a_name_that_leaves_one_reading_is_sure(name: str, span: tuple[float, float], channel: str, unit: str) -> None:

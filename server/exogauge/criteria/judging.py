@@ -80,6 +80,13 @@ class Judging:
         "from here on a channel is said to stand above its floor: below, the floor itself is not known better",
         measured(f"{MISSING}: 40 channels of a robot in which nothing is hidden stand at 0.97 to 1.01"),
     )
+    noise_falls: float = criterion(
+        1.25,
+        "1",
+        "density of noise just above the band, as a multiple of that far above, from which on it is not white: three "
+        "standard errors of a log of 25 s",
+        derived("a variance by median deviations has 1/.37 of the variance of the best estimate, in 1000 values"),
+    )
     declared_most: float = criterion(
         2.58,
         "std",

@@ -216,7 +216,8 @@ class Excess:
 class WithinDeclared:
     """Channels above their noise no further than declared uncertainties of the measurement let them stand.
 
-    sources: the kinds of these that it takes, as in `identification.disturbances`, what does most first."""
+    sources: the kinds of these that it takes, as in `identification.disturbances`, what does most first; `noise_colour`
+    last."""
 
     channels: tuple[Excess, ...] = ()
     sources: tuple[str, ...] = ()

@@ -11,22 +11,45 @@ from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import Kinematics
 
 Array = NDArray[np.float64]
+Path = tuple[
+    Array, Array, Array, Array, Array, NDArray[np.bool_], NDArray[np.int64]
+]  # as `loops.contact_path` takes it
 
 
 @final
 class ContactPaths:
     """The bodies between each contact sensor and the base, with the constants of their joints.
 
-    A twentieth of the time of `robots.regressor.contact_effect`, which moves all bodies; the same to rounding.
+    `robots.regressor.contact_effect` moves all bodies; this is the same to rounding.
     """
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        kinematics = Kinematics(robot.tree)
-        self._turns = np.stack([kinematics.E_0, kinematics.E_c, kinematics.E_s], axis=1).reshape(-1, 9, 3)
-        self._axis, self._before = kinematics.axis_in_parent, kinematics.p_before
-        self._offset = kinematics.offset_in_body
-        self._joints_to_axes = np.linalg.inv(robot.axes_from_joints).T
+        tree, kinematics = robot.tree, Kinematics(robot.tree)
+        turns = np.stack([kinematics.E_0, kinematics.E_c, kinematics.E_s], axis=1)
+        self._paths: list[Path | None] = []  # None: the sensor stands on what does not move
+        for sensor in robot.contacts:
+            body, pose = tree.frames[sensor.frame]
+            if body < 0:
+                self._paths.append(None)
+                continue
+            bodies: list[int] = []
+            while body >= 0 and tree.dof[body] >= 0:
+                bodies.append(body)
+                body = tree.parent[body]
+            along = np.array(bodies, dtype=np.int64)
+            self._paths.append(
+                (
+                    np.ascontiguousarray(pose.toActionMatrixInverse().T),
+                    turns[along],
+                    kinematics.axis_in_parent[along],
+                    kinematics.p_before[along],
+                    kinematics.offset_in_body[along],
+                    tree.prismatic[along],
+                    tree.dof[along],
+                )
+            )
+        self._axes_from_joints = np.linalg.inv(robot.axes_from_joints)
 
     def effect(self, q: Array, wrenches: Array) -> Array:
         """(T, rows) generalised force on base axes (floating) and actuator axes: K^T F, axes by C^{-T}.
@@ -35,42 +58,28 @@ class ContactPaths:
 
         Implements [Evaluator] (10), the terms K^T F.
         """
-        tree, rows = self.robot.tree, self.robot.rows
-        total = np.zeros((rows.axes.stop, len(q)))
-        by_joint = np.ascontiguousarray(q.T)
-        for index, sensor in enumerate(self.robot.contacts):
-            body, pose = tree.frames[sensor.frame]
-            if body < 0:
-                continue
-            wrench = pose.toActionMatrixInverse().T @ wrenches[:, index].T
-            wrench = self._carry_inward(body, wrench.reshape(2, 3, -1), by_joint, total[rows.axes])
-            if self.robot.floating:
-                total[rows.base] += wrench.reshape(6, -1)
-        total[rows.axes] = self._joints_to_axes @ total[rows.axes]
-        return total.T
+        total = np.zeros((len(q), 1, self.robot.rows.axes.stop))
+        for sensor in range(len(self.robot.contacts)):
+            self._carry_inward(sensor, q, wrenches[:, sensor, None], total)
+        return self._on_axes(total)[:, 0]
 
-    def _carry_inward(self, body: int, wrench: Array, q: Array, joints: Array) -> Array:
-        """(2, 3, T) the wrench about the base origin, base frame; adds what it does to joints (J, T) on its way.
+    def of_components(self, q: Array, sensor: int) -> Array:
+        """(T, 6, rows) the same of one newton, and one newton metre, of each component at a sensor: K."""
+        units = np.broadcast_to(np.eye(6), (len(q), 6, 6))
+        total = np.zeros((len(q), 6, self.robot.rows.axes.stop))
+        self._carry_inward(sensor, q, units, total)
+        return self._on_axes(total)
 
-        wrench: (2, 3, T) force and moment about the body's origin, in its frame.
-        """
-        tree = self.robot.tree
-        while body >= 0 and tree.dof[body] >= 0:
-            joint, f, m = tree.dof[body], wrench[0], wrench[1]
-            if self._offset[body].any():
-                m = m + _cross(self._offset[body][:, None], f)
-            fixed, cosine, sine = self._turns[body].reshape(3, 3, 3)
-            c, s = np.cos(q[joint]), np.sin(q[joint])
-            f, m = (fixed @ v + c * (cosine @ v) + s * (sine @ v) for v in (f, m))
-            r, axis = self._before[body][:, None], self._axis[body]
-            if tree.prismatic[body]:
-                r = r + axis[:, None] * q[joint]
-            joints[joint] += axis @ (f if tree.prismatic[body] else m)
-            wrench = np.stack([f, m + _cross(r, f)])
-            body = tree.parent[body]
-        return wrench
+    def _carry_inward(self, sensor: int, q: Array, wrenches: Array, total: Array) -> None:
+        """Adds to total (T, W, base axes and joints) what (T, W, 6) wrenches at a sensor do."""
+        from exogauge.loops.contact_path import carry_inward
 
+        path = self._paths[sensor]
+        if path is not None:
+            carried = np.ascontiguousarray(wrenches, dtype=np.float64)
+            carry_inward(*path, np.ascontiguousarray(q), carried, self.robot.floating, total)
 
-def _cross(r: Array, f: Array) -> Array:
-    """(3, T) r x f; r: (3, T) or (3, 1)."""
-    return np.stack([r[1] * f[2] - r[2] * f[1], r[2] * f[0] - r[0] * f[2], r[0] * f[1] - r[1] * f[0]])
+    def _on_axes(self, total: Array) -> Array:
+        axes = self.robot.rows.axes
+        total[..., axes] = total[..., axes] @ self._axes_from_joints
+        return total

@@ -143,12 +143,7 @@ def zeros_in_doubt(robot: Robot) -> Array:
 def zero_columns(equations: Equations, prepared: Prepared, at: IntArray) -> Array:
     """(n, 6 S, base and axis rows) what each component of each contact sensor takes off the rows per unit of its zero,
     none where no zero is in doubt. The zeros of sensors that carry bodies are fitted."""
-    S, rows, found = len(equations.robot.contacts), equations.layout.told.axes.stop, list[Array]()
     if not zeros_in_doubt(equations.robot).any():
-        return np.zeros((len(at), 0, rows))
-    for sensor in range(S):
-        for component in range(6):
-            one = np.zeros((len(at), S, 6))
-            one[:, sensor, component] = 1.0
-            found.append(-equations.acting(prepared, one, at))
-    return np.stack(found, axis=1)
+        return np.zeros((len(at), 0, equations.layout.told.axes.stop))
+    sensors = range(len(equations.robot.contacts))
+    return -np.concatenate([equations.acting_components(prepared, sensor, at) for sensor in sensors], axis=1)

@@ -209,6 +209,10 @@ class Equations:
         """The same of any wrenches (n, S, 6) at the contact sensors."""
         return self._contacts.effect(prepared.motion.q[samples], wrenches)
 
+    def acting_components(self, prepared: Prepared, sensor: int, samples: slice | IntArray = EVERY) -> Array:
+        """(n, 6, rows) the same of one newton, and one newton metre, of each component at a contact sensor."""
+        return self._contacts.of_components(prepared.motion.q[samples], sensor)
+
     @cached_property
     def _contacts(self) -> ContactPaths:
         return ContactPaths(self.robot)

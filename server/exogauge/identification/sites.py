@@ -113,15 +113,11 @@ class SensorSite:
     def _felt(self, equations: Equations, prepared: Prepared) -> Array:
         """(T, 6, kinds) what a reading that is too much by one in each component takes off the rows; nothing where a
         component is a constant, as nobody measured it: what is missing then is that one."""
-        sign, contacts = self.of(equations.robot).sign, len(equations.robot.contacts)
         own = equations.layout.in_told(self.kinds(equations))
-        felt = np.zeros((prepared.log.samples, 6, len(own)))
         if not np.all(np.ptp(prepared.raw_wrenches[:, self.sensor], axis=0) > 0.0):
-            return felt
-        for component in range(6):
-            one = np.zeros((prepared.log.samples, contacts, 6))
-            one[:, self.sensor, component] = sign
-            felt[:, component] = -equations.acting(prepared, one)[:, own]
+            return np.zeros((prepared.log.samples, 6, len(own)))
+        felt = equations.acting_components(prepared, self.sensor)[:, :, own]
+        felt *= -self.of(equations.robot).sign
         return felt
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 LINEAR = 1e-6  # of n - 1: below, the law is that of n = 1
 
 
-@compiled
+@compiled("f8[::1], f8, f8[::1]")
 def bend(way: Array, n: float, x: Array) -> None:
     """Fills x (T,), from turn to turn. gone: way since the last one."""
     s, u_0, u, gone = 0.0, 1.0, 1.0, 0.0

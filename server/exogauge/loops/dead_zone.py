@@ -12,7 +12,10 @@ Array = NDArray[np.float64]
 MOST_TURNS = 4  # within one step
 
 
-@compiled
+@compiled(
+    "f8[:,::1], f8[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8, i8, f8[:,::1], f8[:,::1]",
+    "f8[:,:], f8[::1], f8[:,:], f8[:,:], f8[:,:], f8, i8, f8[:,::1], f8[:,::1]",
+)
 def fly(
     pull: Array, back: Array, tooth: Array, damping: Array, drag: Array, h: float, parts: int, s: Array, s_ddot: Array
 ) -> None:
@@ -59,7 +62,7 @@ def fly(
             s[n, b], s_ddot[n, b] = place[b] / (h * parts), gained[b] / (h * parts)
 
 
-@compiled
+@compiled()
 def _staying(
     pull: float,
     rise: float,
@@ -77,7 +80,7 @@ def _staying(
     return (pull + k * side) / divisor, rise / divisor, (back + k) / divisor, (k * h + d) / divisor
 
 
-@compiled
+@compiled()
 def _parted(
     pull: float,
     back: float,

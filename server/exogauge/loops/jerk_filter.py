@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 WARM = 10  # innovations that the start decides, and not the density
 
 
-@compiled
+@compiled("f8[::1], f8[::1], f8, f8[:,::1], f8[:,:,::1]")
 def forward(z: Array, step: Array, ratio: float, x: Array, P: Array) -> tuple[float, float]:
     """Filter z (T,). step: (T,) time since the sample before, in nominal periods. ratio: jerk density times period⁵
     over the variance of z. Fills x (T, 3) and P (T, 3, 3), in periods and in that variance. Returns Σ ln s and
@@ -35,7 +35,7 @@ def forward(z: Array, step: Array, ratio: float, x: Array, P: Array) -> tuple[fl
     return logs, squares
 
 
-@compiled
+@compiled()
 def advance(
     x: Array, P: Array, z: float, h: float, ratio: float, M: Array, x_next: Array, P_next: Array
 ) -> tuple[float, float]:
@@ -54,7 +54,7 @@ def advance(
     return nu, s
 
 
-@compiled
+@compiled()
 def predict(P: Array, h: float, ratio: float, M: Array) -> None:
     """M <- F P Fᵀ + Q over h periods."""
     g = 0.5 * h * h
@@ -74,7 +74,7 @@ def predict(P: Array, h: float, ratio: float, M: Array) -> None:
     M[1, 0], M[2, 0], M[2, 1] = M[0, 1], M[0, 2], M[1, 2]
 
 
-@compiled
+@compiled("f8[::1], f8, f8[:,:,::1], f8[:,:,::1]")
 def gains(step: Array, ratio: float, P: Array, C: Array) -> None:
     """C (T-1, 3, 3) <- the gains of the backward pass, P Fᵀ M⁻¹, with M = L D Lᵀ."""
     M = np.empty((3, 3))
@@ -82,7 +82,7 @@ def gains(step: Array, ratio: float, P: Array, C: Array) -> None:
         gain(P[k], step[k + 1], ratio, M, C[k])
 
 
-@compiled
+@compiled()
 def gain(P: Array, h: float, ratio: float, M: Array, C: Array) -> None:
     """C (3, 3) <- that of one step of h periods from P. M: (3, 3) for use here."""
     predict(P, h, ratio, M)
@@ -100,7 +100,7 @@ def gain(P: Array, h: float, ratio: float, M: Array, C: Array) -> None:
         C[i, 0], C[i, 1], C[i, 2] = a / d - l1 * b - l2 * c, b, c
 
 
-@compiled
+@compiled("f8[::1], f8[:,::1], f8[:,:,::1], i8, f8[:,::1]")
 def backward(step: Array, x: Array, C: Array, lag: int, out: Array) -> None:
     """out (T, 3) <- x (T, 3) with what the next `lag` samples add; lag < 0: all of them."""
     size = len(x)
@@ -117,7 +117,7 @@ def backward(step: Array, x: Array, C: Array, lag: int, out: Array) -> None:
         out[k] = d
 
 
-@compiled
+@compiled()
 def retreat(x: Array, C: Array, h: float, d: Array) -> None:
     """d (3,) <- x (3,) with what the smoothed state d, h periods later, says of it."""
     d[0] -= x[0] + h * x[1] + 0.5 * h * h * x[2]
@@ -137,7 +137,10 @@ STAYED = 8.0  # standard deviations between two samples of what stands still: by
 QUIET = 125  # samples in which it did
 
 
-@compiled
+@compiled(
+    "f8[:,::1], f8[::1], i8[::1], f8[:,::1], i8[::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,:,::1], f8[:,::1], "
+    "f8[::1], i8[::1], f8[::1], f8[::1], f8[:,:,::1], f8[:,::1]",
+)
 def slide(
     z: Array, h: Array, group: Ints, ratio: Array, place: Ints,
     x: Array, P: Array, C: Array, Z: Array, H: Array, quiet: Ints, anchor: Array, drift: Array,
@@ -192,7 +195,7 @@ def slide(
     return given
 
 
-@compiled
+@compiled("i8[::1], i8[::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[::1], i8[::1], f8[:,:,::1], f8[:,::1]")
 def flush(place: Ints, group: Ints, ratio: Array, x: Array, C: Array, H: Array, quiet: Ints, out: Array,
           moving: Array) -> int:  # fmt: skip
     """What is still in the window, by the samples there are; afterwards it is empty. out: (lag, K, 3)."""
@@ -204,7 +207,7 @@ def flush(place: Ints, group: Ints, ratio: Array, x: Array, C: Array, H: Array, 
     return left
 
 
-@compiled
+@compiled()
 def _begin(z: Array, x: Array, P: Array, Z: Array, anchor: Array) -> None:
     """As `forward` begins."""
     for c in range(len(z)):
@@ -215,7 +218,7 @@ def _begin(z: Array, x: Array, P: Array, Z: Array, anchor: Array) -> None:
         anchor[c] = z[c]
 
 
-@compiled
+@compiled()
 def _again(g: int, group: Ints, ratio: Array, place: Ints, x: Array, P: Array, C: Array, Z: Array, H: Array,
            M: Array) -> None:  # fmt: skip
     """The window of a group, as one that moves."""
@@ -229,7 +232,7 @@ def _again(g: int, group: Ints, ratio: Array, place: Ints, x: Array, P: Array, C
                 advance(x[i, c], P[i, c], Z[j, c], H[j], ratio[c, 1], M, x[j, c], P[j, c])
 
 
-@compiled
+@compiled()
 def _smoothed(
     first: int, last: int, group: Ints, ratio: Array, x: Array, C: Array, H: Array, quiet: Ints, d: Array,
     out: Array, moving: Array,

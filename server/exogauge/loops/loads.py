@@ -16,7 +16,10 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
-@fused
+@fused(
+    "i8[::1], i8[::1], b1[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], "
+    "b1[:,::1], b1[:,::1], i8[::1], f8[:,::1], f8[:,::1], f8[:,:,:], f8[:,:], i8[:,::1], f8[:,:,::1]",
+)
 def fill_loads(
     parent: Ints, dof: Ints, prismatic: Bools,
     E_0: Array, E_c: Array, E_s: Array, axis: Array, before: Array, offset: Array,
@@ -99,7 +102,7 @@ def fill_loads(
                         result[first + 3 + x, start + t] = v[x, t]
 
 
-@fused
+@fused()
 def _asked(
     i: int, phi: Array, axes: Ints, R: Array, B: Array, p: Array, w: Array, dw: Array, b: Array,
     own: Array, h: Array, v: Array, u: Array, turned: Array, m: int,
@@ -137,7 +140,7 @@ def _asked(
             )  # fmt: skip
 
 
-@fused
+@fused()
 def _into_frame(
     body: int, rotation: Array, place: Array, axes: Ints, R: Array, p: Array, wrench: Array,
     h: Array, v: Array, u: Array, m: int,

@@ -13,7 +13,7 @@ from exogauge.loops.compiled import compiled
 Array = NDArray[np.float64]
 
 
-@compiled
+@compiled("f8[:,::1], f8[:,::1], f8[:,::1]")
 def both_ways(sections: Array, steady: Array, values: Array) -> None:
     """Filter values (T, K) in place, forwards and then backwards, each time settled at the first sample that it meets.
 
@@ -40,7 +40,10 @@ def both_ways(sections: Array, steady: Array, values: Array) -> None:
                     row[k] = y
 
 
-@compiled
+@compiled(
+    "f8[:,::1], f8[:,::1], f8[:,::1], i8, f8[:,::1]",
+    "f8[:,::1], f8[:,::1], f8[:,::1], i8, f8[:,:]",
+)
 def zero_phase(sections: Array, steady: Array, values: Array, beyond: int, out: Array) -> None:
     """out (T, K): the line from the first to the last of values (T, K), as `numpy.linspace` draws it, and the rest,
     turned about both ends (beyond < T samples) and filtered both ways."""
@@ -68,7 +71,10 @@ IntArray = NDArray[np.intp]
 TILE = 64  # samples that are turned from one after the other to side by side at once
 
 
-@compiled
+@compiled(
+    "f8[:,::1], i8, f8[:,::1]",
+    "f8[:,:], i8, f8[:,::1]",
+)
 def extended(channels: Array, beyond: int, buffer: Array) -> None:
     """channels (K, T) side by side into buffer (beyond + T + beyond, K): without the line from the first to the
     last sample, turned about both ends."""
@@ -85,7 +91,12 @@ def extended(channels: Array, beyond: int, buffer: Array) -> None:
         buffer[beyond + length - 1 + n] = -buffer[beyond + length - 1 - n]
 
 
-@compiled
+@compiled(
+    "f8[:,::1], i8, f8[:,::1], i8[::1], f8[:,::1]",
+    "f8[:,::1], i8, f8[:,::1], i8[::1], f8[:,:]",
+    "f8[:,:], i8, f8[:,::1], i8[::1], f8[:,::1]",
+    "f8[:,:], i8, f8[:,::1], i8[::1], f8[:,:]",
+)
 def picked(channels: Array, beyond: int, buffer: Array, samples: IntArray, out: Array) -> None:
     """out: (n, K) the line and what was filtered, at these samples."""
     count, length = channels.shape

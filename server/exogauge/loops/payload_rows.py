@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 COLUMN = np.array([[4, 5, 7], [5, 6, 8], [7, 8, 9]])  # of the inertia's entry (i, m)
 
 
-@compiled
+@compiled("f8[:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[::1], f8, f8[:,:,::1], f8[:,:,::1]")
 def fill(
     b: Array, alpha: Array, omega: Array, noise: Array, wrench: Array, std: Array, sign: float, Z: Array, N: Array
 ) -> None:
@@ -45,7 +45,9 @@ def fill(
         N[t, 16, 16] = 6.0
 
 
-@compiled
+@compiled(
+    "f8[:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[::1], f8[:,::1], f8[::1], f8, f8[:,::1], f8[:,:,::1]",
+)
 def spread(
     b: Array, alpha: Array, omega: Array, noise: Array, wrench: Array, x: Array, covariance: Array, std: Array,
     sign: float, left: Array, out: Array,
@@ -89,7 +91,7 @@ def spread(
             out[t, i, i] += std[i] * std[i]
 
 
-@compiled
+@compiled()
 def _regressor(b: Array, alpha: Array, omega: Array, A: Array, D: Array) -> None:
     """Adds A of [Payload] (5) for s = +1 to the first ten columns; D (6, 9, 10) <- its slopes by [a - g, α, ω]."""
     D[:] = 0.0
@@ -123,7 +125,7 @@ def _regressor(b: Array, alpha: Array, omega: Array, A: Array, D: Array) -> None
             D[3 + i, 6 + m, c] -= omega[k]
 
 
-@compiled
+@compiled()
 def _square(root: Array, C: Array) -> None:
     """C (9, 9) <- root rootᵀ."""
     for k in range(9):

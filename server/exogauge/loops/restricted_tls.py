@@ -12,7 +12,7 @@ from exogauge.loops.compiled import compiled
 Array = NDArray[np.float64]
 
 
-@compiled
+@compiled("f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8")
 def add_rows(R: Array, P: Array, Z: Array, noise: Array, forget: float) -> None:
     """R (n+1, n+1) upper triangular <- root of forget RᵀR + ZᵀZ by Givens rotations; P <- forget P + noise.
 
@@ -38,7 +38,7 @@ def add_rows(R: Array, P: Array, Z: Array, noise: Array, forget: float) -> None:
                 Z[row, j] = c * b - s * a
 
 
-@compiled
+@compiled("f8[:,::1], f8[:,::1], f8[::1]")
 def inverse_iteration(R: Array, P: Array, v: Array) -> None:
     """v (n+1,) <- (RᵀR)⁻¹ P v, of length one."""
     size = R.shape[0]
@@ -62,7 +62,7 @@ def inverse_iteration(R: Array, P: Array, v: Array) -> None:
         v[i] /= length
 
 
-@compiled
+@compiled("f8[:,::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1], f8, f8[:,::1]")
 def track(R: Array, P: Array, v: Array, Z: Array, noise: Array, forget: float, out: Array) -> None:
     """One update per sample: Z (T, r, n+1), used up; noise (T, n+1, n+1); out (T, n) <- the estimate after each."""
     size = R.shape[0]

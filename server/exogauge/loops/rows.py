@@ -21,7 +21,11 @@ TILE = 64  # samples
 # every loop three times and takes minutes. Rows of state arrays have TILE samples.
 
 
-@fused
+@fused(
+    "b1, i8[::1], i8[::1], b1[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i8[::1], "
+    "i8[::1], i8[::1], i8[::1], i8[:,::1], i8[::1], f8[::1], f8[:,:,:], f8[:,:], i8[:,::1], i8[:,::1], i8[::1], "
+    "f8[:,::1]",
+)
 def fill_rows(
     floating: bool, parent: Ints, dof: Ints, prismatic: Bools,
     E_0: Array, E_c: Array, E_s: Array, axis: Array, before: Array, offset: Array,
@@ -56,7 +60,7 @@ def fill_rows(
         _axis_rows(segments, movers, weights, S, mass, inertia, first, whole, start, m)
 
 
-@fused
+@fused()
 def _base_state(n: int, base: Array, R: Array, p: Array, w: Array, dw: Array, b: Array, m: int) -> None:
     """Entry n: the base link itself."""
     for t in range(m):
@@ -69,7 +73,7 @@ def _base_state(n: int, base: Array, R: Array, p: Array, w: Array, dw: Array, b:
             dw[n, x, t] = base[6 + x, t]
 
 
-@fused
+@fused()
 def _turned(R: Array, u: int, vector: Array, out: Array, axes: Ints, m: int) -> None:
     """out: (3, m) R of body u times a constant vector."""
     v0, v1, v2 = vector
@@ -78,7 +82,7 @@ def _turned(R: Array, u: int, vector: Array, out: Array, axes: Ints, m: int) -> 
             out[x, t] = R[u, 3 * x, t] * v0 + R[u, 3 * x + 1, t] * v1 + R[u, 3 * x + 2, t] * v2
 
 
-@fused
+@fused()
 def _carried(B: Array, u: int, r: Array, out: Array, i: int, axes: Ints, m: int) -> None:
     """out[i] += B of body u times r: (3, m)."""
     for x in axes[0]:
@@ -86,7 +90,7 @@ def _carried(B: Array, u: int, r: Array, out: Array, i: int, axes: Ints, m: int)
             out[i, x, t] += B[u, 3 * x, t] * r[0, t] + B[u, 3 * x + 1, t] * r[1, t] + B[u, 3 * x + 2, t] * r[2, t]
 
 
-@fused
+@fused()
 def _rigid(i: int, w: Array, dw: Array, B: Array, axes: Ints, m: int) -> None:
     """B of body i: [α]× + [ω]×²."""
     for x in axes[0]:
@@ -99,7 +103,7 @@ def _rigid(i: int, w: Array, dw: Array, B: Array, axes: Ints, m: int) -> None:
             B[i, 3 * x + y, t] = w[i, x, t] * w[i, y, t] - dw[i, z, t]
 
 
-@fused
+@fused()
 def _sweep(
     parent: Ints, dof: Ints, prismatic: Bools, E_0: Array, E_c: Array, E_s: Array, axis: Array, before: Array,
     offset: Array, joint: Array, axes: Ints,
@@ -141,7 +145,7 @@ def _sweep(
                     p[i, x, t] += s[x, t]
 
 
-@fused
+@fused()
 def _turn(
     i: int, u: int, j: int, joint: Array, axes: Ints, a: Array, r: Array, step: Array,
     p: Array, w: Array, dw: Array, b: Array, S: Array, m: int,
@@ -166,7 +170,7 @@ def _turn(
             S[i, x, t] = (p[u, y, t] + r[y, t]) * a[z, t] - (p[u, z, t] + r[z, t]) * a[y, t]
 
 
-@fused
+@fused()
 def _slide(
     i: int, u: int, j: int, joint: Array, axes: Ints, a: Array, r: Array, step: Array,
     w: Array, dw: Array, b: Array, S: Array, m: int,
@@ -186,7 +190,7 @@ def _slide(
             b[i, x, t] = b[u, x, t] + a[x, t] * joint[4, j, t] + w[u, y, t] * step[z, t] - w[u, z, t] * step[y, t]
 
 
-@fused
+@fused()
 def _mass_columns(
     mass_first: Ints, mass_kind: Ints, axes: Ints, R: Array, B: Array, p: Array, b: Array, mass: Array, m: int
 ) -> None:
@@ -214,7 +218,7 @@ def _mass_columns(
                         mass[3 + x, c, t] += R[i, 3 * y + k, t] * b[i, z, t] - R[i, 3 * z + k, t] * b[i, y, t]
 
 
-@fused
+@fused()
 def _inertia_columns(
     inertia_first: Ints, inertia_kind: Ints, axes: Ints, entries: Ints,
     R: Array, w: Array, dw: Array, inertia: Array, m: int,
@@ -241,7 +245,7 @@ def _inertia_columns(
                         inertia[x, c, t] += R[i, 3 * x + l, t] * dw_body[k, t] + U[3 * x + l, t] * w_body[k, t]
 
 
-@fused
+@fused()
 def _base_rows(mass: Array, inertia: Array, first: Ints, whole: Array, start: int, m: int) -> None:
     """The six base rows are the columns themselves; force rows have none of inertia."""
     for r in range(mass.shape[0]):
@@ -256,7 +260,7 @@ def _base_rows(mass: Array, inertia: Array, first: Ints, whole: Array, start: in
                 line[t] = inertia[r, c, t]
 
 
-@fused
+@fused()
 def _axis_rows(
     segments: Ints, movers: Ints, weights: Array, S: Array, mass: Array, inertia: Array,
     first: Ints, whole: Array, start: int, m: int,

@@ -14,7 +14,10 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
-@compiled
+@compiled(
+    "f8[:,:,::1], f8[:,::1], f8[:,::1], b1[::1], i8[::1], f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1], "
+    "f8[:,:,::1], f8[:,:,::1], f8[:,::1], f8[:,:,:,::1]",
+)
 def end_motion(
     R_before: Array, p_before: Array, axis: Array, slides: Bools, dof: Ints, R_after: Array, p_after: Array,
     R_end: Array, p_end: Array, gravity: Array, state: Array, R_out: Array, out: Array, slopes: Array,
@@ -96,7 +99,7 @@ def end_motion(
             _put(R, V, u, J[j], to, 2)
 
 
-@compiled
+@compiled()
 def _go(R: Array, p: Array, R_next: Array, p_next: Array, S: Array) -> None:
     """(R, p) <- (R, p) · (R_next, p_next)."""
     for i in range(3):
@@ -106,7 +109,7 @@ def _go(R: Array, p: Array, R_next: Array, p_next: Array, S: Array) -> None:
     R[:] = S
 
 
-@compiled
+@compiled()
 def _turn(R: Array, e: Array, q: float, S: Array) -> None:
     """R <- R · turn by q about e (Rodrigues)."""
     c, s = math.cos(q), math.sin(q)
@@ -118,7 +121,7 @@ def _turn(R: Array, e: Array, q: float, S: Array) -> None:
     R[:] = S
 
 
-@compiled
+@compiled()
 def _cross(v: Array, m: Array, out: Array) -> None:
     """out <- v x m of motions [linear; angular]."""
     out[0] = v[4] * m[2] - v[5] * m[1] + v[1] * m[5] - v[2] * m[4]
@@ -129,7 +132,7 @@ def _cross(v: Array, m: Array, out: Array) -> None:
     out[5] = v[3] * m[4] - v[4] * m[3]
 
 
-@compiled
+@compiled()
 def _put(R: Array, V: Array, dv: Array, da: Array, to: Array, order: int) -> None:
     """to (9, 3), column `order` <- what changes of a - g, α, ω where v changes by dv and a by da."""
     x = da[0] + dv[4] * V[2] - dv[5] * V[1] + V[4] * dv[2] - V[5] * dv[1]

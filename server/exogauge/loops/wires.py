@@ -22,7 +22,12 @@ TINY = 1e-150  # as in `devices.wire_layout`
 # every loop. State arrays have TILE samples.
 
 
-@fused
+@fused(
+    "i8[::1], b1[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i8[::1], f8[:,::1], i8[::1], i8[::1], "
+    "i8[::1], f8[::1], i8[::1], i8[::1], i8[::1], f8[:,::1], f8[:,:,::1], i8[:,::1], i8, f8[:,::1], f8[:,:,::1]",
+    "i8[::1], b1[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i8[::1], f8[:,::1], i8[::1], i8[::1], "
+    "i8[::1], f8[::1], i8[:], i8[:], i8[::1], f8[:,::1], f8[:,:,::1], i8[:,::1], i8, f8[:,::1], f8[:,:,::1]",
+)
 def measure_wires(
     parent: Ints, prismatic: Bools, E_0: Array, E_c: Array, E_s: Array, before: Array, axis: Array,
     point_joint: Ints, point: Array, start: Ints, end: Ints, wire: Ints, constant: Array,
@@ -51,7 +56,7 @@ def measure_wires(
                 _slope(carried[k], line, S[pair_joint[k]], total, out, m)
 
 
-@fused
+@fused()
 def _move(
     parent: Ints, prismatic: Bools, E_0: Array, E_c: Array, E_s: Array, before: Array, axis: Array,
     signals: Array, axes: Ints, R: Array, place: Array, a: Array, m: int,
@@ -92,7 +97,7 @@ def _move(
                     place[k, x, t] += a[k, x, t] * signals[0, k, t]
 
 
-@fused
+@fused()
 def _turned(R: Array, vector: Array, axes: Ints, out: Array, m: int) -> None:
     """out: (3, m) R times a constant vector."""
     v0, v1, v2 = vector
@@ -101,7 +106,7 @@ def _turned(R: Array, vector: Array, axes: Ints, out: Array, m: int) -> None:
             out[x, t] = R[3 * x, t] * v0 + R[3 * x + 1, t] * v1 + R[3 * x + 2, t] * v2
 
 
-@fused
+@fused()
 def _points(point_joint: Ints, point: Array, axes: Ints, R: Array, place: Array, p: Array, m: int) -> None:
     for i in range(point_joint.shape[0]):
         k = point_joint[i]
@@ -116,7 +121,7 @@ def _points(point_joint: Ints, point: Array, axes: Ints, R: Array, place: Array,
                     p[i, x, t] += place[k, x, t]
 
 
-@fused
+@fused()
 def _segments(
     start: Ints, end: Ints, wire: Ints, p: Array, axes: Ints, slopes: bool, line: Array, length: Array, m: int
 ) -> None:
@@ -144,7 +149,7 @@ def _segments(
                     e[3 + x, t] = a[y, t] * e[z, t] - a[z, t] * e[y, t]
 
 
-@fused
+@fused()
 def _motions(prismatic: Bools, place: Array, a: Array, axes: Ints, S: Array, m: int) -> None:
     """[linear; angular] motion about the origin per unit velocity of each joint."""
     for k in range(prismatic.shape[0]):
@@ -162,7 +167,7 @@ def _motions(prismatic: Bools, place: Array, a: Array, axes: Ints, S: Array, m: 
                     S[k, 3 + x, t] = a[k, x, t]
 
 
-@fused
+@fused()
 def _slope(carried: Array, line: Array, S: Array, total: Array, out: Array, m: int) -> None:
     """out: (m,) the joint's motion times the sum of the lines it carries."""
     for x in range(total.shape[0]):

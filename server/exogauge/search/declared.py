@@ -1,5 +1,6 @@
 """What stands above the sensors' noise, and no further than the declared uncertainties of the measurement let it stand.
 
+Noise that is stronger at low frequencies than where it is seen counts with them: the floor takes it for white.
 A foot's zero of 2 N that robot.yaml declares leaves 2 N in the base's rows: no effect is missing there, and none can be
 seen that is smaller. The declared inputs are fitted to the held-out residuals, with what is declared as their prior.
 """
@@ -24,12 +25,16 @@ from exogauge.identification.disturbances import (
     zeros_in_doubt,
 )
 from exogauge.identification.model import RobotModel
+from exogauge.identification.preparation import DRIVE, wrench_channels
 from exogauge.identification.settings import Recording
+from exogauge.logs.noise_colour import hidden_noise
 from exogauge.robots.rows import RowType
 from exogauge.search.locate import all_channels
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
+
+COLOUR = "noise_colour"  # beside the kinds of declared inputs
 
 
 @final
@@ -54,8 +59,40 @@ class _Sums:
 
 def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses: Sequence[Excess]) -> WithinDeclared:
     """Those channels that stand at their floors once the declared inputs are what suits the held-out logs best."""
-    held_out, judging = [each for each in recordings if each.held_out], model.criteria.judging
-    if not excesses or not held_out or not any(map(len, _sizes(model))):
+    held_out = [each for each in recordings if each.held_out]
+    if not excesses or not held_out:
+        return WithinDeclared()
+    hidden = _hidden_noise(model, recordings)
+    coloured = [each for each in excesses if not _above(model, each, each.rmse, hidden)]
+    others = _within_inputs(model, held_out, [each for each in excesses if each not in coloured], hidden)
+    sources = (*others.sources, *([COLOUR] if coloured else []))
+    return WithinDeclared(tuple(each for each in excesses if each in (*coloured, *others.channels)), sources)
+
+
+def _above(model: RobotModel, excess: Excess, rmse: float, hidden: Mapping[str, float]) -> bool:
+    floor = np.hypot(excess.noise_floor, hidden.get(excess.channel, 0.0))
+    return bool(rmse >= model.criteria.judging.above * floor)
+
+
+def _hidden_noise(model: RobotModel, recordings: Sequence[Recording]) -> Mapping[str, float]:
+    """Channel -> noise of what was measured there [N, N·m] that its floor lacks, as it takes noise for white."""
+    robot, gains, names = model.robot, dict[str, float](), dict[str, str]()
+    for joint, k_T in zip(robot.joints, model.k_T, strict=True):
+        if joint.actuation != "none":
+            names[f"tau.{joint.name}"] = f"{DRIVE[joint.actuation]}.{joint.name}"
+            gains[f"tau.{joint.name}"] = float(k_T)
+    for cut in robot.cuts:
+        for name in wrench_channels(cut.name):
+            names[name], gains[name] = name, 1.0
+    logs, falls = [each.log for each in recordings], model.criteria.judging.noise_falls
+    found = hidden_noise(logs, tuple(names.values()), model.cutoff_hz, falls)
+    return {channel: abs(gains[channel]) * float(std) for channel, std in zip(names, found, strict=True)}
+
+
+def _within_inputs(
+    model: RobotModel, held_out: Sequence[Recording], excesses: Sequence[Excess], hidden: Mapping[str, float]
+) -> WithinDeclared:
+    if not excesses or not any(map(len, _sizes(model))):
         return WithinDeclared()
     logs = list(side_by_side(lambda each: _of_log(model, each), held_out))
     inputs = _best(model, logs)
@@ -64,7 +101,7 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
         sums = [(number, log[kinds[excess.channel]]) for number, log in enumerate(logs) if kinds[excess.channel] in log]
         before = sum((each.square for _, each in sums), 1e-300)
         after = sum(each.left(inputs[number]) for number, each in sums)
-        if excess.rmse * np.sqrt(max(after, 0.0) / before) < judging.above * excess.noise_floor:
+        if not _above(model, excess, excess.rmse * float(np.sqrt(max(after, 0.0) / before)), hidden):
             within.append(excess)
     return WithinDeclared(tuple(within), _sources(model, logs, inputs) if within else ())
 

@@ -52,7 +52,7 @@ from exogauge.studies.results.failed_step import FailedStep, keeping, told
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
-from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
+from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects, told_of_errors
 from exogauge.studies.series.write import Moved, write_series
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.progress_words import phrase
@@ -125,6 +125,7 @@ def _evaluate(
         if "discrepancy" not in doing:  # where it is done, what has no name yet looks like a wrong number
             found = let_go(found, recordings, study.settings)
         doubts, bare = refuse_what_made_it_worse(found, recordings, findings), found.model
+        doubts = [*told_of_errors(study.robot, findings), *doubts]
         give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None

@@ -13,7 +13,7 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
-from exogauge.support.band_offsets import score_of_offsets, without_offsets
+from exogauge.support.band_offsets import Offsets
 from exogauge.support.band_rows import WearLogs
 from exogauge.support.coloured import by_autocovariance
 
@@ -51,7 +51,7 @@ def contributions(
     torque_zero: what is left of each log's and joint's own offset. What the others do to the score goes through the
     same slopes, w (A - γ mean(A)): of the feet's zeros what looks like such an offset is taken off as well.
     """
-    fitted = replace(fitted, A=without_offsets(setting.logs, setting.weight, fitted.A))
+    fitted = replace(fitted, A=setting.offsets.without(fitted.A))
     weighted, S = fitted.A * setting.weight[:, :, None], len(setting.belief.mean)
     found = {SCATTER: score_covariance(setting.logs, fitted.e, weighted)}
     found[SCATTER][:S, :S] += setting.belief.precision
@@ -61,7 +61,7 @@ def contributions(
     for name, own in of_each_log.items():
         found[name] = found.get(name, np.zeros_like(own)) + own
     if setting.logs.zero_std.any():
-        found[TORQUE_ZERO] = score_of_offsets(setting.logs, weighted)
+        found[TORQUE_ZERO] = setting.offsets.score(weighted)
     if null is not None and joint_weight is not None:
         n = _null_score(setting, fitted, null, joint_weight)
         found[NULL_TEST] = np.outer(n, n)
@@ -137,7 +137,7 @@ def _null_score(setting: Setting, fitted: Fitted, null: WearLogs, joint_weight: 
     """(P,) Σ Aᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
     A = columns(null, [null.wire(wire.course) for wire in setting.wires], fitted.wear)
     own = null.used * joint_weight
-    return np.asarray(np.einsum("ndp,nd,nd->p", A, null.share[:, None] * own, without_offsets(null, own, null.torque)))
+    return np.asarray(np.einsum("ndp,nd,nd->p", A, null.share[:, None] * own, Offsets(null, own).without(null.torque)))
 
 
 def _larger(first: Array, second: Array) -> Array:

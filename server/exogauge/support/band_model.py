@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -21,7 +22,7 @@ from exogauge.devices.device import Band
 from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
-from exogauge.support.band_offsets import paid, whitened, without_offsets
+from exogauge.support.band_offsets import Offsets
 from exogauge.support.band_rows import WearLogs, Wire, stretches, taut
 
 Array = NDArray[np.float64]
@@ -191,6 +192,10 @@ class Setting:
     independent: float
     belief: Belief
 
+    @cached_property
+    def offsets(self) -> Offsets:
+        return Offsets(self.logs, self.weight)
+
 
 def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
     """On every n-th sample, as if nothing had been low-passed: to search on."""
@@ -258,20 +263,20 @@ def _from(setting: Setting, wear: Wear, e: Array, cost: float) -> Fitted:
     A = columns(setting.logs, setting.wires, wear)
     hessian, S = information(setting, A), len(wear.springs)
     hessian[:S, :S] += setting.belief.precision
-    return Fitted(wear, without_offsets(setting.logs, setting.weight, e), A, hessian, cost)
+    return Fitted(wear, setting.offsets.without(e), A, hessian, cost)
 
 
 def information(setting: Setting, A: Array) -> Array:
     """(P, P) of columns A (N, D, P), offsets integrated out."""
     root = np.sqrt(setting.weight)[:, :, None]
-    flat = (whitened(setting.logs, setting.weight, A) * root).reshape(-1, A.shape[2])
+    flat = (setting.offsets.whitened(A) * root).reshape(-1, A.shape[2])
     return np.asarray(flat.T @ flat)
 
 
 def _cost(setting: Setting, wear: Wear, e: Array) -> float:
-    off, logs, w = wear.springs - setting.belief.mean, setting.logs, setting.weight
-    squares = np.sum(w * without_offsets(logs, w, e) ** 2) + off @ setting.belief.precision @ off
-    return float(squares + paid(logs, w, e))
+    off, (left, paid) = wear.springs - setting.belief.mean, setting.offsets.beside(e)
+    squares = np.sum(setting.weight * left**2) + off @ setting.belief.precision @ off
+    return float(squares + paid)
 
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:

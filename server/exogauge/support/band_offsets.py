@@ -9,6 +9,10 @@ The same as a column of ones per log and joint, each believed to be 0 ± s.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,63 +21,74 @@ from exogauge.support.band_rows import WearLogs
 Array = NDArray[np.float64]
 
 
-def shares(logs: WearLogs, weight: Array) -> Array:
-    """(L, D) γ: how much of a mean error is taken for an offset. weight: (N, D) [1/(N·m)²]."""
-    W = _by_log(logs, weight)
-    return np.asarray(W * logs.zero_std**2 / (1.0 + W * logs.zero_std**2))
+@final
+@dataclass(frozen=True)
+class Offsets:
+    """Of each log and joint. weight: (N, D) [1/(N·m)²]. X, below: errors (N, D) or slopes (N, D, P)."""
+
+    logs: WearLogs
+    weight: Array
+
+    @cached_property
+    def total(self) -> Array:
+        """(L, D) W"""
+        return self._by_log(self.weight)
+
+    @cached_property
+    def shares(self) -> Array:
+        """(L, D) γ: how much of a mean error is taken for an offset."""
+        told = self.total * self.logs.zero_std**2
+        return np.asarray(told / (1.0 + told))
+
+    @cached_property
+    def doubted(self) -> bool:
+        return bool(self.logs.zero_std.any())
+
+    def likeliest(self, e: Array) -> Array:
+        """(L, D) [N·m] γ mean(e)."""
+        return self.shares * self._means(e)
+
+    def without(self, X: Array) -> Array:
+        """(N, D, …) X - γ mean(X): what of errors or slopes is left beside offsets."""
+        return self._less(X, self.shares) if self.doubted else X
+
+    def whitened(self, X: Array) -> Array:
+        """(N, D, …) X - c mean(X), c = 1 - √(1 - γ): its weighted squares are the information that offsets leave."""
+        return self._less(X, self.shares / (1.0 + np.sqrt(1.0 - self.shares))) if self.doubted else X
+
+    def beside(self, e: Array) -> tuple[Array, float]:
+        """(N, D) what of errors is left beside the likeliest offsets, and what these cost: Σ (o / s)²."""
+        if not self.doubted:
+            return e, 0.0
+        found, std = self.likeliest(e), self.logs.zero_std
+        cost = np.sum(np.divide(found, std, out=np.zeros_like(std), where=std > 0.0) ** 2)
+        return self._less_in_each(e, found), float(cost)
+
+    def score(self, told: Array) -> Array:
+        """(P, P) of the score, from offsets of the declared size. told: (N, D, P) w (A - γ mean(A))."""
+        moved = (self._by_log(told) * self.logs.zero_std[:, :, None]).reshape(-1, told.shape[2])
+        return np.asarray(moved.T @ moved)
+
+    def _less(self, X: Array, share: Array) -> Array:
+        return self._less_in_each(X, _beside(share, X) * self._means(X))
+
+    def _means(self, X: Array) -> Array:
+        """(L, D, …)"""
+        total = _beside(self.total, X)
+        return np.asarray(self._by_log(_beside(self.weight, X) * X) / np.where(total > 0.0, total, 1.0))
+
+    def _by_log(self, X: Array) -> Array:
+        """(L, D, …) sums."""
+        return np.stack([X[span].sum(axis=0) for span in self.logs.spans])
+
+    def _less_in_each(self, X: Array, values: Array) -> Array:
+        """X less what is each log's own, (L, D, …)."""
+        out = np.empty_like(X)
+        for span, own in zip(self.logs.spans, values, strict=True):
+            np.subtract(X[span], own, out=out[span])
+        return out
 
 
-def offsets(logs: WearLogs, weight: Array, e: Array) -> Array:
-    """(L, D) [N·m] γ mean(e) of errors e (N, D): the likeliest offset of each log and joint."""
-    return shares(logs, weight) * _means(logs, weight, e)
-
-
-def without_offsets(logs: WearLogs, weight: Array, X: Array) -> Array:
-    """(N, D, …) X - γ mean(X): what of errors or slopes is left beside offsets."""
-    if not logs.zero_std.any():
-        return X
-    gamma = shares(logs, weight).reshape(*logs.zero_std.shape, *(1,) * (X.ndim - 2))
-    return _less_in_each(logs, X, gamma * _means(logs, weight, X))
-
-
-def whitened(logs: WearLogs, weight: Array, X: Array) -> Array:
-    """(N, D, …) X - c mean(X), c = 1 - √(1 - γ): its weighted squares are the information that offsets leave."""
-    if not logs.zero_std.any():
-        return X
-    gamma = shares(logs, weight)
-    c = (gamma / (1.0 + np.sqrt(1.0 - gamma))).reshape(*gamma.shape, *(1,) * (X.ndim - 2))
-    return _less_in_each(logs, X, c * _means(logs, weight, X))
-
-
-def paid(logs: WearLogs, weight: Array, e: Array) -> float:
-    """Σ (o / s)²: what the likeliest offsets of errors e (N, D) cost."""
-    if not logs.zero_std.any():
-        return 0.0
-    std = logs.zero_std
-    return float(np.sum(np.divide(offsets(logs, weight, e), std, out=np.zeros_like(std), where=std > 0.0) ** 2))
-
-
-def score_of_offsets(logs: WearLogs, told: Array) -> Array:
-    """(P, P) of the score, from offsets of the declared size. told: (N, D, P) w (A - γ mean(A))."""
-    moved = (_by_log(logs, told) * logs.zero_std[:, :, None]).reshape(-1, told.shape[2])
-    return np.asarray(moved.T @ moved)
-
-
-def _means(logs: WearLogs, weight: Array, X: Array) -> Array:
-    """(L, D, …)"""
-    w = weight.reshape(*weight.shape, *(1,) * (X.ndim - 2))
-    W = _by_log(logs, w)
-    return np.asarray(_by_log(logs, w * X) / np.where(W > 0.0, W, 1.0))
-
-
-def _by_log(logs: WearLogs, X: Array) -> Array:
-    """(L, D, …) sums."""
-    return np.stack([X[span].sum(axis=0) for span in logs.spans])
-
-
-def _less_in_each(logs: WearLogs, X: Array, values: Array) -> Array:
-    """X less what is each log's own, (L, D, …)."""
-    out = np.empty_like(X)
-    for span, own in zip(logs.spans, values, strict=True):
-        np.subtract(X[span], own, out=out[span])
-    return out
+def _beside(values: Array, X: Array) -> Array:
+    """Values (., D) with as many axes as X."""
+    return values.reshape(*values.shape, *(1,) * (X.ndim - 2))

@@ -24,7 +24,6 @@ from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own, information
-from exogauge.support.band_offsets import without_offsets
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -134,7 +133,7 @@ class _Split:
         split, setting, size = self.split, self.seen.setting, self._size
         score = np.einsum("ndp,nd,nd->p", split.A, setting.weight, split.e)
         step = np.linalg.lstsq(split.hessian * np.outer(size, size), size * score, rcond=1e-12)[0] * size
-        explained = without_offsets(setting.logs, setting.weight, split.A @ step)
+        explained = setting.offsets.without(split.A @ step)
         let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
         return step, contributions(setting, let_differ, self.robot, self.seen.null, self.seen.joint_weight)
 

@@ -379,10 +379,17 @@ class Profiles:
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
         shift = value - float(coarse.wear.springs[index])
+        reached = {value: coarse.wear}
 
         @cache  # both ends, and both of a search for either, ask for the same values again
         def excess(candidate: float) -> float:
-            held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
+            nearest = reached[min(reached, key=lambda other: abs(other - candidate))]
+            starts = (
+                [coarse.wear] if nearest is coarse.wear else [coarse.wear, nearest]
+            )  # where bands go slack are dips
+            at = {index: max(candidate - shift, SHORTEST)}
+            held = min((fit(few, start, at) for start in starts), key=lambda fitted: fitted.cost)
+            reached[candidate] = held.wear
             return float(share * (held.cost - coarse.cost) - Z95**2)
 
         return (
@@ -398,7 +405,7 @@ def _crossing(excess: Callable[[float], float], value: float, step: float, limit
         far = near + step
         far = min(far, limit) if step > 0.0 else max(far, limit)
         if excess(far) > 0.0:
-            return float(brentq(excess, near, far, xtol=1e-3 * abs(step)))
+            return float(brentq(excess, near, far, xtol=1e-2 * abs(step)))
         near = far
         step *= 1.5
     return None

@@ -22,7 +22,6 @@ from exogauge.findings.basis import LeftOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.search.sums import summed, sureness
 from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, residual
-from exogauge.support.band_offsets import without_offsets
 from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
@@ -104,7 +103,7 @@ def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
         own = fit(replace(setting, weight=weight), wear, held).wear
-        left = without_offsets(setting.logs, setting.weight, residual(setting.logs, setting.wires, own))
+        left = setting.offsets.without(residual(setting.logs, setting.wires, own))
         e[left_out] = left[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
 

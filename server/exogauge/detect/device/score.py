@@ -14,7 +14,6 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
 from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_model import Added, Fitted, Setting
-from exogauge.support.band_offsets import whitened
 from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
@@ -39,9 +38,7 @@ class Scorer:
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
         self.setting, self.fitted = setting, fitted
         self._root = np.sqrt(setting.weight)
-        self._A = (whitened(setting.logs, setting.weight, fitted.A) * self._root[:, :, None]).reshape(
-            -1, fitted.A.shape[2]
-        )
+        self._A = (setting.offsets.whitened(fitted.A) * self._root[:, :, None]).reshape(-1, fitted.A.shape[2])
         self._e = (fitted.e * self._root).ravel()
         self._H = fitted.hessian
         self._square = float(self._e @ self._e)
@@ -68,7 +65,7 @@ class Scorer:
     def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
         blind = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told
         pull = (X * self._root[:, :, None]).reshape(-1, X.shape[2]).T @ self._e  # e is without offsets already
-        X = whitened(self.setting.logs, self.setting.weight, X)
+        X = self.setting.offsets.whitened(X)
         X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
         own, cross = X.T @ X, self._A.T @ X
         if np.any(np.diag(own) <= 0.0):

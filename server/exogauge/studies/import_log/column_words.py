@@ -50,7 +50,9 @@ SPELLED = {
     "msec": "ms", "millis": "ms", "milliseconds": "ms", "usec": "us", "micros": "us", "microseconds": "us",
     "nsec": "ns", "nsecs": "ns", "nanos": "ns", "nanoseconds": "ns", "celsius": "degC", "degc": "degC", "kelvin": "K",
     "nm": "Nm", "mnm": "mNm", "ma": "mA", "ampere": "A", "amperes": "A", "newton": "N", "rads": "rad/s",
-    "degs": "deg/s", "dps": "deg/s", "mps2": "m/s^2", "ms2": "m/s^2",
+    "degs": "deg/s", "dps": "deg/s", "ms2": "m/s^2",
+    **{f"{unit}{per}{after}": f"{unit}/{second}" for unit in ("deg", "rad", "mrad", "rev", "m", "mm")
+       for per in ("p", "per") for after, second in (("s", "s"), ("sec", "s"), ("s2", "s^2"), ("sec2", "s^2"))},
 }  # fmt: skip
 TRAILING = {"deg", "rad", "mrad", "rpm", "ms", "us", "ns", "mm", "cm"}  # units that are told without brackets
 AXIS = re.compile(r"^(?:(?P<kind>acc|accel|a|gyro|gyr|g|w|omega|force|f|torque|moment|m|t|n)_?)?(?P<axis>[xyz])$")
@@ -86,6 +88,9 @@ def words_of(name: str) -> Words:
     tail = re.search(r"[_\s]([A-Za-z]{2,}|N)$", bare)
     if unit is None and tail and find_unit(tail.group(1)) is not None:  # `_mA`, which small letters would not tell
         bare, unit = bare[: tail.start()], tail.group(1)
+    squared = re.search(r"[_\s]([A-Za-z]+2)$", bare)
+    if unit is None and squared and (found := known_unit(squared.group(1))):  # `_mps2`, no word and a number
+        bare, unit = bare[: squared.start()], found
     tokens = tokens_of(bare)
     if unit is None and len(tokens) == 1 and SPELLED.get(tokens[0], tokens[0]) in ("ms", "us", "ns"):
         return Words(("time",), known_unit(tokens[0]))

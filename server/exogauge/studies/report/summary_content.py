@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from exogauge.devices.result import Estimate
+from exogauge.remarks import About
 from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.report.summary_configuration import configuration_facts, provenance_facts
 from exogauge.studies.report.summary_figure import support_figure, units_of
@@ -86,12 +87,14 @@ def _scope(scope: Mapping[str, Any], most: int) -> str:
 
 
 def _found(results: Mapping[str, Any], detail: Detail) -> list[str]:
-    """How much the wears support, what the model lacks, and how well it predicts: a paragraph each."""
+    """What the doctor holds for wrong, how much the wears support, what the model lacks, how well it predicts: a
+    paragraph each."""
+    wrong = " ".join(each["sentence"] for each in results["notices"] if each["code"] == About.DOCTOR_ERRORS)
     worn = " ".join(_strongest(results, device) for device in results["scope"]["devices"][: detail.devices])
     lacks = ""
     if results["discrepancy"] is not None:
         lacks = f"{results['discrepancy']['sentence']} {results['discrepancy']['left_sentence']}"
-    return [each for each in (worn, lacks.strip(), _errors(results["identification"]["summary"])) if each]
+    return [each for each in (wrong, worn, lacks.strip(), _errors(results["identification"]["summary"])) if each]
 
 
 def _errors(pooled: Sequence[Mapping[str, Any]]) -> str:

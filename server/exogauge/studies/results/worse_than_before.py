@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.errors import BadLog, Fault
-from exogauge.identification.preparation import DRIVE
+from exogauge.identification.preparation import DRIVE, needed_channels
 from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.remarks import About, Remark
+from exogauge.robots.description import Robot
 from exogauge.studies.words.notices import Notice, notice
 
 Array = NDArray[np.float64]
@@ -38,6 +39,14 @@ def refuse_what_made_it_worse(
     if faults := suspects(findings, f"; {said}"):
         raise BadLog(faults)
     return [notice(Remark(About.WORSE_HELD_OUT, tuple(worse)))]
+
+
+def told_of_errors(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> list[Notice]:
+    """That the doctor holds channels for wrong without which the robot could not be identified."""
+    needed = needed_channels(robot)
+    wrong = {each["channel"] for each in findings if each["severity"] == "error"}
+    names = tuple(channel for channel in needed if channel in wrong)
+    return [notice(Remark(About.DOCTOR_ERRORS, names))] if names else []
 
 
 def suspects(findings: Sequence[Mapping[str, Any]], said: str = "") -> list[Fault]:

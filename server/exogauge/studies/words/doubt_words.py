@@ -24,6 +24,10 @@ SOURCES: dict[str, tuple[str, str]] = {
         "constant torques that differ from log to log",
         "Read currents with the drives off before each log, and state what is left as torque_zero.",
     ),
+    "noise_colour": (
+        "noise that grows towards low frequencies, where only motion is seen",
+        "Log what drives and sensors read without filters of their own.",
+    ),
     "imu_tilt": ("mounting of the IMU", "Level the base against a spirit level, and state it as imu_tilt."),
     "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),
     "donning": ("how the device was put on", "Mark where straps end, and state what is left as donning."),

@@ -108,6 +108,9 @@ FORMS: Mapping[About, Form] = {
     About.WORSE_HELD_OUT: Form(
         "Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
     ),
+    About.DOCTOR_ERRORS: Form(
+        "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."
+    ),
     About.NO_URDF_OF: Form(
         "No URDF with identified inertias was written, because no body can have those of {names}. Ask for physical "
         "consistency in the settings to get one."
