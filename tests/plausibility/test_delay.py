@@ -56,6 +56,19 @@ def test_of_one_late_joint_no_other_is_told(made: tuple[Robot, Logs]) -> None:
     assert "alike" not in finding.detail
 
 
+@pytest.mark.parametrize("seconds", [0.1, 0.5, -0.35])
+def test_one_log_whose_efforts_are_of_another_clock_is_told_and_no_other(
+    made: tuple[Robot, Logs], seconds: float
+) -> None:
+    robot, logs = made
+    shifted = [late(each, seconds) if k == 1 else each for k, each in enumerate(logs)]
+    found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(shifted)]))
+    ((log, finding),) = found
+    assert (log, finding.rule) == ("log_1", "effort_delay")
+    assert finding.value == pytest.approx(seconds, abs=0.05)
+    assert "delay_s" in finding.advice
+
+
 def test_two_samples_are_not_told(made: tuple[Robot, Logs]) -> None:
     robot, logs = made
     assert said(robot, [late(each, 0.02) for each in logs]) == []

@@ -192,6 +192,15 @@ class Comparing:
     delay_falls: float = criterion(
         0.9, "1", "of what is unexplained may be left once a delay is undone", judgement(RULES)
     )
+    delay_latest_s: float = criterion(
+        1.0, "s", "by which the efforts of one log are tried to be late, as two loggers begin apart", judgement(RULES)
+    )
+    delay_far_s: float = criterion(
+        0.12, "s", "beyond it a wrong model gains by a shift as well as a right one", judgement(RULES)
+    )
+    delay_far_falls: float = criterion(
+        0.5, "1", "of what is unexplained may be left once such a delay is undone", judgement(RULES)
+    )
     delay_samples: float = criterion(
         3.0, "samples", "a drive, a bus and a filter are late by as many, and nobody minds", judgement(RULES)
     )

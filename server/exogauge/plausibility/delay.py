@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -20,26 +20,41 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Delay:
-    """seconds: > 0 late. axes: alike so. before, after: of the first one, share of its effort that is left."""
+    """seconds: > 0 late. axes: alike so. before, after: of the first one, share of its effort that is left.
+
+    log: the only one that is so; empty where all are.
+    """
 
     seconds: float
     axes: tuple[int, ...]
     before: float
     after: float
+    log: str = ""
 
 
 def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
     """One delay that the axes share, where all of them together gain surely by it; then axes with one of their own.
 
-    A delay beyond the shifts that a snapshot holds is not told: there a wrong model gains as well as a right one.
+    Where there is none in all logs: logs whose efforts are of another clock, on most of the axes at once.
     """
+    alike = list(_of_all_logs(expected))
+    yield from alike
+    for each in () if alike else expected:
+        other = of_another_clock(each)
+        if other is not None:
+            yield other
+
+
+def _of_all_logs(expected: Sequence[Expected]) -> Iterator[Delay]:
+    """Within what a drive and a bus are late by: beyond, a wrong model gains as well as a right one."""
     axes = [a for a in range(len(expected[0].robot.joints)) if any(each.tells(a) for each in expected)]
-    if not axes or any(not np.array_equal(each.seen.lags, expected[0].seen.lags) for each in expected):
+    criteria, rate_hz = expected[0].seen.criteria, expected[0].seen.rate_hz
+    near = [np.abs(each.seen.lags) < criteria.delay_far_s + 0.5 / rate_hz for each in expected]
+    lags = expected[0].seen.lags[near[0]]
+    if not axes or any(not np.array_equal(each.seen.lags[own], lags) for each, own in zip(expected, near, strict=True)):
         return  # logs of other rates were shifted otherwise
-    lags, rate_hz = expected[0].seen.lags, expected[0].seen.rate_hz
-    efforts = [on_axes(each.robot, each.seen.late) for each in expected]
-    profiles = [_Profile(expected, efforts, a) for a in axes]
-    criteria = expected[0].seen.criteria
+    efforts = [on_axes(each.robot, each.seen.late[own]) for each, own in zip(expected, near, strict=True)]
+    profiles = [_Profile(expected, efforts, lags, a) for a in axes]
     shared = _sure(lags, profiles, rate_hz, criteria)
     if shared is not None:
         yield shared
@@ -47,6 +62,21 @@ def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
         alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz, criteria)
         if alone is not None:
             yield alone
+
+
+def of_another_clock(expected: Expected) -> Delay | None:
+    """Of one log, on half of its axes or more."""
+    axes = [a for a in range(len(expected.robot.joints)) if expected.tells(a)]
+    lags, criteria = expected.seen.lags, expected.seen.criteria
+    efforts = [on_axes(expected.robot, expected.seen.late)]
+    profiles = [_Profile([expected], efforts, lags, a) for a in axes]
+    found = _sure(lags, profiles, expected.seen.rate_hz, criteria) if profiles else None
+    if found is None or 2 * len(found.axes) < len(axes):
+        return None
+    far = abs(found.seconds) > criteria.delay_far_s
+    if far and found.after > criteria.delay_far_falls * found.before:
+        return None
+    return replace(found, log=expected.seen.log)
 
 
 @final
@@ -57,9 +87,8 @@ class _Profile:
     more gains by less already, since a shift of 20 ms is a small part of what an 8 Hz low-pass lets through.
     """
 
-    def __init__(self, expected: Sequence[Expected], efforts: Sequence[Array], axis: int) -> None:
+    def __init__(self, expected: Sequence[Expected], efforts: Sequence[Array], lags: Array, axis: int) -> None:
         self.axis = axis
-        lags = expected[0].seen.lags
         telling = [
             (each.fit(axis), late[:, :, axis]) for each, late in zip(expected, efforts, strict=True) if each.tells(axis)
         ]

@@ -14,7 +14,7 @@ from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
-from exogauge.plausibility.delay import Delay, find_delays
+from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
 from exogauge.plausibility.remedies import Remedy
@@ -61,19 +61,31 @@ def examine_against_robot(
         return
     slips, expected = find_slips(robot, seen)
     told = set[tuple[str, str]]()
+    slips, delays = _late_and_no_slip(slips, expected)
     for slip in slips:
         names = [log.name for log in logs] if len(slip.logs) == len(seen) else slip.logs
         for name in names:
             finding = as_finding(robot, slip)
             told.add((name, finding.channel))
             yield name, finding
-    for delay in find_delays(expected) if expected and not slips else ():  # what is wrong otherwise may look late
-        for log in logs:
-            yield log.name, as_delayed(robot, delay)
+    if expected and not slips and not delays:  # what is wrong otherwise may look late
+        delays = list(find_delays(expected))
+    for delay in delays:
+        for name in [delay.log] if delay.log else [log.name for log in logs]:
+            yield name, as_delayed(robot, delay)
     for each in expected:
         for finding in channel_rules(robot, each):
             if (each.seen.log, finding.channel) not in told:
                 yield each.seen.log, finding
+
+
+def _late_and_no_slip(slips: Sequence[Slip], expected: Sequence[Expected]) -> tuple[list[Slip], list[Delay]]:
+    """Slips, without those of single logs whose efforts are of another clock: there some sign or column fits better."""
+    of_one = {slip.logs[0] for slip in slips if len(slip.logs) == 1 < len(expected)}
+    found = [of_another_clock(each) for each in expected if each.seen.log in of_one]
+    delays = [each for each in found if each is not None]
+    late = {each.log for each in delays}
+    return [slip for slip in slips if not (len(slip.logs) == 1 and slip.logs[0] in late)], delays
 
 
 def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
@@ -92,7 +104,9 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
         f"{100 * delay.before:.0f} % as it is and {100 * delay.after:.0f} % so)"
     )
     advice = "shift the column where logs are made, or name `torque_delay` among the effects"
-    if delay.seconds < 0.0:
+    if delay.log:
+        advice = "is it of another clock? In this log's mapping name the file twice, for efforts with a `delay_s`"
+    if delay.seconds < 0.0 and not delay.log:
         advice += "; is it the commanded torque, not the measured one?"
     return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
 

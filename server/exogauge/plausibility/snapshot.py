@@ -62,8 +62,6 @@ class Snapshot:
 
 def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     """None where channels are missing or hold no number, or the log is too short to be low-passed."""
-    lags = 13  # that are tried
-    latest_s = 0.12  # by which efforts are tried to be late, or early
     moments = 160  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
     names = needed_channels(robot)
     if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
@@ -88,8 +86,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
             raw = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
             effort[:, k], alive[k] = low_pass.apply(raw) * joint_prior(joint, "k_T"), np.ptp(raw) > 0.0
             zeros[k] = np.mean(raw[moving[:, k]] == 0.0) if moving[:, k].any() else 0.0
-    latest = min(round(latest_s * rate), settle)
-    steps = np.unique(np.round(np.linspace(-latest, latest, lags)).astype(np.intp))
+    steps = _shifts(rate, settle, most=min(round(criteria.delay_latest_s * rate), len(q) // 10))
     acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
     wrenches = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name)))[at] for sensor in robot.contacts]
     return Snapshot(
@@ -101,7 +98,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         gyro=gyro,
         gyro_dot=gyro_dot,
         effort=effort[at],
-        late=np.stack([effort[at + step] for step in steps]),
+        late=np.stack([effort[np.clip(at + step, 0, len(q) - 1)] for step in steps]),
         lags=steps / rate,
         wrenches=np.stack(wrenches, axis=1) if wrenches else np.zeros((len(at), 0, 6)),
         alive=alive,
@@ -111,3 +108,15 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         recording=recording,
         criteria=criteria,
     )
+
+
+def _shifts(rate_hz: float, settle: int, most: int) -> NDArray[np.intp]:
+    """Samples: some within what a drive and a bus are late by; beyond, another clock's."""
+    lags, latest_s, ratio = 13, 0.12, 1.25
+    near = min(round(latest_s * rate_hz), settle)
+    steps = [*np.linspace(-near, near, lags)]
+    far = near * ratio
+    while near == round(latest_s * rate_hz) and far <= most:
+        steps += [-far, far]
+        far *= ratio
+    return np.unique(np.round(steps).astype(np.intp))
