@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import criterion, derived, judgement, measured
 
 READING = "server/exogauge/logs, docs/mapping.md"
 NOISE = "server/exogauge/logs/noise.py"
@@ -43,6 +43,12 @@ class Logs:
     )
     even: float = criterion(
         0.02, "periods", "stamps closer than that to an even clock are even: printed decimals", judgement(READING)
+    )
+    rougher: float = criterion(
+        1.5,
+        "times",
+        "as rough positions have to be, for it to be said whether samples jitter or only their stamps",
+        measured("white noise alone, jitter of 3 to 30 % of a period: 0.87 to 1.31; a joint that moves: 2.6 and more"),
     )
     longest_gap: float = criterion(5.0, "periods", "that interpolation may bridge", judgement(READING))
     anti_alias: float = criterion(

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Beside, Log, Note
-from exogauge.logs.resampling import uniform
+from exogauge.logs.noise import noise_of
+from exogauge.logs.resampling import is_even, uniform
 
 
 def segments(log: Log, first: int = 0) -> list[Log]:
@@ -28,7 +29,7 @@ def segments(log: Log, first: int = 0) -> list[Log]:
     step = np.diff(log.time)
     nominal = float(np.median(step))
     if not (step > LOGS.late * nominal).any():
-        return [log]
+        return [_on_even_clock(log)]
     edges = [0, *(np.flatnonzero(step > LOGS.longest_gap * nominal) + 1), log.samples]
     pieces = list(pairwise(edges))
     long = [
@@ -68,6 +69,31 @@ def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
     )
     note = Note("samples_bridged", detail, "look for what drops or delays samples", int(np.flatnonzero(late)[0]) + 2)
     return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, note))
+
+
+def _on_even_clock(log: Log) -> Log:
+    """Whether samples were taken when their stamps say, or evenly, positions tell: at the wrong one they are rough."""
+    positions = [name for name, values in log.channels.items() if name.startswith("q.") and np.isfinite(values).all()]
+    if is_even(log.time) or not positions:
+        return log
+    resampled = uniform(log)
+    as_stamped, as_counted = (_roughness(each, positions) for each in (resampled, log))
+    varies = f"sample periods vary by {100.0 * float(np.std(np.diff(log.time))) * log.rate_hz:.2g} %"
+    if as_counted > LOGS.rougher * as_stamped:
+        times = as_counted / max(as_stamped, 1e-300)
+        detail = f"{varies}: resampled to an even clock, on which positions are {times:.2g} times smoother"
+        return replace(resampled, part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
+    if as_stamped > LOGS.rougher * as_counted:
+        times = as_stamped / max(as_counted, 1e-300)
+        detail = f"{varies} by their stamps alone, as positions are {times:.2g} times smoother on an even clock"
+        even = np.linspace(log.time[0], log.time[-1], log.samples)
+        return replace(log, time=even, notes=(*log.notes, Note("stamps_evened", detail, "", None)))
+    return log
+
+
+def _roughness(log: Log, names: Sequence[str]) -> float:
+    found = noise_of([log.channels[name] for name in names], log.rate_hz, 0.25 * log.rate_hz)
+    return float(np.sqrt(sum(each.std**2 for each in found)))
 
 
 def _told(

@@ -174,7 +174,7 @@ def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
     whole = periods[periods <= expected.criteria.gap * median]
     low, high = np.quantile(whole, [0.01, 0.99])
     late = np.abs(whole / median - 1.0) > expected.criteria.late
-    advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
+    advice = "positions do not tell whether samples jitter or only their stamps: if only these do, give a rate instead"
     if high - low > expected.criteria.jitter * median:
         detail = f"sample periods vary from {1e3 * low:.3g} to {1e3 * high:.3g} ms (median {1e3 * median:.3g} ms)"
         yield Finding("warning", "t", "clock_jitters", detail, advice, value=float(high - low) / median)
