@@ -31,8 +31,9 @@ def what_would_do(
     robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
 ) -> Possible:
     """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
-    what was planned, and whether it holds."""
-    if at_home(robot, criteria).hopeless:
+    what was planned, and whether it holds. Each begins at home, at rest: what is lacking there, none can have."""
+    rest = at_home(robot, criteria)
+    if rest.hopeless or rest.excess > criteria.over:
         return Possible(None, None)
 
     def holds(what: str, value: float, changed: Person) -> bool:

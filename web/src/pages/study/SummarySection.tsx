@@ -1,4 +1,4 @@
-import { Anchor, List, Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
+import { Alert, Anchor, List, Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
 import { Link, useSearchParams } from "react-router";
 
 import type { Study } from "../../api/studies";
@@ -16,9 +16,15 @@ export function SummarySection({ study, results }: { study?: Study; results: Res
   const main = support.filter((each) => each.main);
   const bands = stiffness.filter((each) => each.headline);
   const groups = [...new Map(bands.map((each) => [`${each.device}, bands ${each.group}`, each])).entries()];
+  const wrong = (results.notices ?? []).filter((each) => each.code === "doctor_errors");
   const skipped = results.steps.filter((each) => each.status === "skipped");
   return (
     <Stack gap="lg">
+      {wrong.map((each) => (
+        <Alert key={each.code} color="red" variant="light" style={{ maxWidth: "60rem" }}>
+          {each.sentence}
+        </Alert>
+      ))}
       <Text size="lg" style={{ maxWidth: "60rem" }}>
         {discrepancy ? verdictOf(results) : `The robot ${results.robot} was identified from its own logs.`}
       </Text>
