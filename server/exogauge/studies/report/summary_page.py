@@ -9,11 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
-import jinja2
-
 from exogauge.studies.report.page_model import Box, Drawing, Label, Line, Page
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_pdf import render_pdf
+from exogauge.studies.report.templates import TEMPLATES
 
 SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
 
@@ -45,18 +44,9 @@ def _printed(content: Page, scale: float) -> SummaryPage:
     return SummaryPage(render_html(content, scale).encode(), pdf, content, fits)
 
 
-_ENVIRONMENT = jinja2.Environment(
-    loader=jinja2.PackageLoader("exogauge.studies", "templates"),
-    autoescape=True,
-    undefined=jinja2.StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
-
-
 def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:
     """scale: of the letters, 1 for 7.6 pt: that at which the page fits its sheet. kind: of document, for its title."""
-    return _ENVIRONMENT.get_template("summary.html.j2").render(page=page, scale=scale, marks=_marks, kind=kind)
+    return TEMPLATES.get_template("summary.html.j2").render(page=page, scale=scale, marks=_marks, kind=kind)
 
 
 def _marks(drawing: Drawing) -> list[tuple[str, Line | Box | Label]]:

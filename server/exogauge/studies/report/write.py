@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-import jinja2
 from markupsafe import Markup
 
 from exogauge.identification.result import Identification, Prediction
@@ -27,21 +26,12 @@ from exogauge.studies.report.report_tables import (
 )
 from exogauge.studies.report.stiffness_section import device_views
 from exogauge.studies.report.support_section import motion_views
+from exogauge.studies.report.templates import TEMPLATES
 from exogauge.studies.results.document import Evaluation, Summary, all_notices, results, summaries
 from exogauge.studies.words.notices import by_sort, repeats
-from exogauge.studies.words.remark_words import sentence
 from exogauge.studies.words.rounding import significant
 
 MAX_DRAWN_LOGS = 4
-
-_ENVIRONMENT = jinja2.Environment(
-    loader=jinja2.PackageLoader("exogauge.studies", "templates"),
-    autoescape=True,
-    undefined=jinja2.StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
-_ENVIRONMENT.filters["sentence"] = sentence
 
 
 @final
@@ -62,7 +52,7 @@ def render_report(evaluation: Evaluation) -> str:
     pooled = summaries(found, joints)
     columns, rows = joint_table(found, evaluation.robot)
     held_out = any(fit.held_out for fit in found.validation)
-    return _ENVIRONMENT.get_template("report.html.j2").render(
+    return TEMPLATES.get_template("report.html.j2").render(
         evaluation=evaluation,
         found=found,
         content=content,
