@@ -222,10 +222,12 @@ def test_a_list_of_jobs_takes_as_many_statements_for_fifty_as_for_one(client, st
     sa.event.listen(app.state.installation.engine, "before_cursor_execute", lambda *_: counted.append(1))
 
     def statements():
-        client.get("/api/v1/jobs", params={"limit": 1})  # a connection that has rested is asked whether it is there
-        counted.clear()
-        answer = client.get("/api/v1/jobs", params={"limit": 100}).json()["items"]
-        return len(answer), len(counted), answer
+        fewest = []
+        for _ in range(3):  # a connection that has rested is asked whether it is there
+            counted.clear()
+            answer = client.get("/api/v1/jobs", params={"limit": 100}).json()["items"]
+            fewest.append(len(counted))
+        return len(answer), min(fewest), answer
 
     ask(client, study)
     _, few, _ = statements()

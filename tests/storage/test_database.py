@@ -43,8 +43,9 @@ def test_connections_that_the_server_has_ended_are_replaced_before_anybody_is_to
 
     def look(_: int) -> int:
         with storage.reading() as store:
-            together.wait()
-            return int(store.session.scalar(sa.text("SELECT pg_backend_pid()")))
+            found = int(store.session.scalar(sa.text("SELECT pg_backend_pid()")))
+            together.wait()  # all hold theirs at once
+            return found
 
     with ThreadPoolExecutor(8) as threads:
         before = set(threads.map(look, range(8)))

@@ -74,6 +74,7 @@ TILE = 64  # samples that are turned from one after the other to side by side at
 @compiled(
     "f8[:,::1], i8, f8[:,::1]",
     "f8[:,:], i8, f8[:,::1]",
+    "f8[::1,:], i8, f8[:,::1]",
 )
 def extended(channels: Array, beyond: int, buffer: Array) -> None:
     """channels (K, T) side by side into buffer (beyond + T + beyond, K): without the line from the first to the
@@ -94,7 +95,7 @@ def extended(channels: Array, beyond: int, buffer: Array) -> None:
 @compiled(
     "f8[:,::1], i8, f8[:,::1], i8[::1], f8[:,::1]",
     "f8[:,::1], i8, f8[:,::1], i8[::1], f8[:,:]",
-    "f8[:,:], i8, f8[:,::1], i8[::1], f8[:,::1]",
+    "f8[::1,:], i8, f8[:,::1], i8[::1], f8[:,::1]",
     "f8[:,:], i8, f8[:,::1], i8[::1], f8[:,:]",
 )
 def picked(channels: Array, beyond: int, buffer: Array, samples: IntArray, out: Array) -> None:
