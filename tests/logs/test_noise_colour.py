@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from exogauge.criteria.judging import Judging
 from exogauge.logs.model import Log
 from exogauge.logs.noise_colour import hidden_noise
 
-RATE, CUTOFF, FALLS = 200.0, 8.0, 1.25
+RATE, CUTOFF = 200.0, 8.0
 
 
 def log_of(values: np.ndarray, number: int) -> Log:
@@ -23,7 +24,7 @@ def noisy(share: float, number: int) -> np.ndarray:
 def test_what_the_band_holds_beyond_white_noise_is_known_to_a_quarter_from_above_it(share, moved):
     time = np.arange(6000) / RATE
     motion = moved * (np.sin(2.0 * time) + 0.3 * np.sin(11.0 * time))
-    (found,) = hidden_noise([log_of(noisy(share, k) + motion, k) for k in range(4)], ["i.elbow"], CUTOFF, FALLS)
+    (found,) = hidden_noise([log_of(noisy(share, k) + motion, k) for k in range(4)], ["i.elbow"], CUTOFF, Judging())
     frequency = np.linspace(0.0, np.pi, 200_001)
     density = 1.0 / np.abs(1.0 - share * np.exp(-1j * frequency)) ** 2
     inside, above = frequency < 2 * np.pi * CUTOFF / RATE, frequency > 4 * np.pi * CUTOFF / RATE
@@ -33,6 +34,6 @@ def test_what_the_band_holds_beyond_white_noise_is_known_to_a_quarter_from_above
 
 def test_white_noise_hides_nothing_nor_does_a_log_that_reaches_no_higher():
     logs = [log_of(noisy(0.0, k), k) for k in range(4)]
-    assert hidden_noise(logs, ["i.elbow"], CUTOFF, FALLS) == [0.0]
-    assert hidden_noise([log_of(noisy(0.6, 1), 1)], ["i.elbow"], 30.0, FALLS) == [0.0]
-    assert hidden_noise(logs, [], CUTOFF, FALLS).shape == (0,)
+    assert hidden_noise(logs, ["i.elbow"], CUTOFF, Judging()) == [0.0]
+    assert hidden_noise([log_of(noisy(0.6, 1), 1)], ["i.elbow"], 30.0, Judging()) == [0.0]
+    assert hidden_noise(logs, [], CUTOFF, Judging()).shape == (0,)

@@ -87,6 +87,13 @@ class Judging:
         "standard errors of a log of 25 s",
         derived("a variance by median deviations has 1/.37 of the variance of the best estimate, in 1000 values"),
     )
+    noise_steepest: float = criterion(
+        0.98,
+        "1",
+        "that one sample of noise may hand on to the next: at 300 Hz its density falls to half at 1 Hz, and what falls "
+        "faster is not told from motion",
+        derived("(1 - p) rate / 2 pi = 0.95 Hz"),
+    )
     declared_most: float = criterion(
         2.58,
         "std",

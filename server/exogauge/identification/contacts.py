@@ -11,9 +11,8 @@ from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import Kinematics
 
 Array = NDArray[np.float64]
-Path = tuple[
-    Array, Array, Array, Array, Array, NDArray[np.bool_], NDArray[np.int64]
-]  # as `loops.contact_path` takes it
+# As `loops.contact_path` takes it: to the first body, turns, axes, before, offsets, which slide, columns of q.
+Path = tuple[Array, Array, Array, Array, Array, NDArray[np.bool_], NDArray[np.int64]]
 
 
 @final

@@ -16,19 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from exogauge.criteria.judging import Judging
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_of
 
 Array = NDArray[np.float64]
 
-STEEPEST = 0.98  # p: the density falls to half at 1 Hz of a log at 300 Hz; motion is not told from what falls faster
 
-
-def hidden_noise(logs: Sequence[Log], names: Sequence[str], cutoff_hz: float, falls: float) -> Array:
+def hidden_noise(logs: Sequence[Log], names: Sequence[str], cutoff_hz: float, judging: Judging) -> Array:
     """(K,) std of what noise of the channels `names` holds below the cut-off beyond the white noise that their parts
     above twice the cut-off show, over all logs; 0 where the density between two and four times the cut-off is less than
-    `falls` times that above, and where no log reaches higher. Logs that were low-passed before they were stored say
-    nothing of it."""
+    `noise_falls` times that above, and where no log reaches higher. Logs that were low-passed before they were
+    stored say nothing of it."""
     near, far = 2.0 * cutoff_hz, 4.0 * cutoff_hz
     seen = [log for log in logs if log.stored is None and far <= 0.35 * log.rate_hz]
     if not seen:
@@ -40,20 +39,21 @@ def hidden_noise(logs: Sequence[Log], names: Sequence[str], cutoff_hz: float, fa
         for above in (near, far)
     )  # fmt: skip
     ends = [2.0 * math.pi * each / rate for each in (cutoff_hz, near, far)]
-    return np.array([_hidden(*each, ends, falls) for each in zip(white, beyond, strict=True)])
+    return np.array([_hidden(*each, ends, judging) for each in zip(white, beyond, strict=True)])
 
 
-def _hidden(white: float, beyond: float, ends: Sequence[float], falls: float) -> float:
+def _hidden(white: float, beyond: float, ends: Sequence[float], judging: Judging) -> float:
     cutoff, near, far = ends
 
     def ratio(p: float) -> float:
         return _density(p, near, math.pi) / _density(p, far, math.pi)
 
     between = (white * (math.pi - near) - beyond * (math.pi - far)) / (far - near)
-    if beyond <= 0.0 or between < falls * beyond:
+    if beyond <= 0.0 or between < judging.noise_falls * beyond:
         return 0.0
     seen = white / beyond
-    p = STEEPEST if seen >= ratio(STEEPEST) else float(brentq(lambda each: ratio(each) - seen, 0.0, STEEPEST))
+    most = judging.noise_steepest
+    p = most if seen >= ratio(most) else float(brentq(lambda each: ratio(each) - seen, 0.0, most))
     inside = white * _density(p, 0.0, cutoff) / _density(p, near, math.pi)
     return math.sqrt(max(inside - white, 0.0) * cutoff / math.pi)
 

@@ -86,7 +86,8 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
             raw = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
             effort[:, k], alive[k] = low_pass.apply(raw) * joint_prior(joint, "k_T"), np.ptp(raw) > 0.0
             zeros[k] = np.mean(raw[moving[:, k]] == 0.0) if moving[:, k].any() else 0.0
-    steps = _shifts(rate, settle, most=min(round(criteria.delay_latest_s * rate), len(q) // 10))
+    far = min(round(criteria.delay_latest_s * rate), len(q) // 10)
+    steps = _shifts(round(criteria.delay_far_s * rate), settle, far)
     acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
     wrenches = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name)))[at] for sensor in robot.contacts]
     return Snapshot(
@@ -110,13 +111,13 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     )
 
 
-def _shifts(rate_hz: float, settle: int, most: int) -> NDArray[np.intp]:
-    """Samples: some within what a drive and a bus are late by; beyond, another clock's."""
-    lags, latest_s, ratio = 13, 0.12, 1.25
-    near = min(round(latest_s * rate_hz), settle)
+def _shifts(latest: int, settle: int, most: int) -> NDArray[np.intp]:
+    """Samples: some within what a drive and a bus are late by at the latest; beyond, another clock's."""
+    lags, ratio = 13, 1.25
+    near = min(latest, settle)
     steps = [*np.linspace(-near, near, lags)]
     far = near * ratio
-    while near == round(latest_s * rate_hz) and far <= most:
+    while near == latest and far <= most:
         steps += [-far, far]
         far *= ratio
     return np.unique(np.round(steps).astype(np.intp))

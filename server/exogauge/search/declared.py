@@ -84,8 +84,8 @@ def _hidden_noise(model: RobotModel, recordings: Sequence[Recording]) -> Mapping
     for cut in robot.cuts:
         for name in wrench_channels(cut.name):
             names[name], gains[name] = name, 1.0
-    logs, falls = [each.log for each in recordings], model.criteria.judging.noise_falls
-    found = hidden_noise(logs, tuple(names.values()), model.cutoff_hz, falls)
+    logs = [each.log for each in recordings]
+    found = hidden_noise(logs, tuple(names.values()), model.cutoff_hz, model.criteria.judging)
     return {channel: abs(gains[channel]) * float(std) for channel, std in zip(names, found, strict=True)}
 
 
