@@ -216,6 +216,7 @@ def test_the_service_does_it_by_itself_and_once_for_all_servers(installation: In
     assert outcome["logs"] == 1  # of the first; the second found it done, and not due
 
 
+@pytest.mark.slow
 def test_the_command_says_what_would_go_and_then_lets_it_go(installation: Installation, settings: Settings) -> None:
     of = Of(installation, "north")
     of.study("old", OLD)
