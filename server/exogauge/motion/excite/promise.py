@@ -112,8 +112,10 @@ def _kinds(found: Identification) -> tuple[Kind, ...]:
     equations = found.model.equations
     links, joints = equations.robot.tree.phi.size, len(equations.robot.joints) * len(equations.effects)
     base = len(equations.base.columns)
-    added = len(found.parameters) - links - joints - base
-    return (*("link",) * links, *("joint",) * joints, *("added",) * added, *("base",) * base)
+    sizes: tuple[tuple[Kind, int], ...] = (
+        ("link", links), ("joint", joints), ("added", len(found.parameters) - links - joints - base), ("base", base)
+    )  # fmt: skip
+    return tuple(kind for kind, size in sizes for _ in range(size))
 
 
 def white_std(found: Identification) -> Array:
