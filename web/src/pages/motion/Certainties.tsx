@@ -8,6 +8,7 @@ import { number, WideTable } from "../../parts/WideTable";
 /** How well each parameter will be known once the motion was recorded. */
 export function Certainties({ found }: { found: Found }) {
   const [all, showAll] = useState(false);
+  const counts = found.counts ?? []; // plans of earlier versions have none
   const open = found.parameters.filter(({ before }) => before > 0);
   const shown = all ? open : open.filter(({ kind }) => kind !== "link");
   return (
@@ -15,9 +16,9 @@ export function Certainties({ found }: { found: Found }) {
       <Title order={2} size="h3" id="certain" mb="xs">
         How well each parameter will be known
       </Title>
-      {found.counts.length > 0 && (
+      {counts.length > 0 && (
         <Text size="sm" mb="xs">
-          {found.counts.map(countWords).join(" and ")} will be decided by the data.
+          {counts.map(countWords).join(" and ")} will be decided by the data.
         </Text>
       )}
       <Switch size="sm" mb="xs" label="Links one by one, too" checked={all} onChange={(event) => showAll(event.currentTarget.checked)} />
@@ -41,6 +42,6 @@ export function Certainties({ found }: { found: Found }) {
   );
 }
 
-function countWords({ kind, decided, of, left }: Found["counts"][number]) {
+function countWords({ kind, decided, of, left }: NonNullable<Found["counts"]>[number]) {
   return `${decided} of ${of} ${kind} parameters (median ${percent(left, 1)} of the doubt before is left)`;
 }
