@@ -109,8 +109,8 @@ FORMS: Mapping[About, Form] = {
         "Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
     ),
     About.LOGS_LEFT_OUT: Form(
-        "In {names} efforts and positions are of clocks that began apart: nothing is fitted to these logs nor judged by "
-        "them. State that delay in their mapping to have them back.",
+        "In {names} efforts and positions are of clocks that began apart: nothing is fitted to, or judged by, these "
+        "logs. State that delay in their mapping to have them back.",
         each="{name} ({0:+.2f} s)",
     ),
     About.DOCTOR_ERRORS: Form(
