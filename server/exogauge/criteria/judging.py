@@ -102,6 +102,12 @@ class Judging:
             "density above 0.17 over that above 0.34 of the rate: 1.33 for 0.5, 1.42 for 0.8 from sample to sample"
         ),
     )
+    noise_assumed: float = criterion(
+        0.8,
+        "1",
+        "that one sample of noise may hand on to the next where it is seen to fall, and not how steeply",
+        measured("tests/logs/test_noise_colour.py: recovered to a quarter up to there where it can be told"),
+    )
     noise_steepest: float = criterion(
         0.98,
         "1",
