@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
+from itertools import takewhile
 from typing import final
 
 import numpy as np
@@ -23,6 +25,7 @@ from exogauge.identification.steady import keeps_most
 from exogauge.identification.turns import WIDEST, rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -66,22 +69,22 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     log = max(logs, key=lambda one: one.samples)
     highest = min(LOGS.fastest * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
     first = min(suggested_cutoff(robot, logs), highest)
-    tried = {first: _tried(trial, log, first)}
-    for number in range(1, halvings + 1):
-        cutoff_hz = first / 2.0**number
-        if cutoff_hz < LOWEST_HZ:
+    lower = (first / 2.0**number for number in range(1, halvings + 1))
+    downwards = [first, *takewhile(lambda hz: hz >= LOWEST_HZ, lower)]
+    doubled = (first * 2.0**number for number in range(1, 64))
+    upwards = [*takewhile(lambda hz: hz < highest, doubled), highest] if first < highest else []
+    tried: dict[float, tuple[float, Keeps]] = {}
+    for cutoff_hz, found in _in_turn(trial, log, downwards):
+        tried[cutoff_hz] = found
+        if cutoff_hz < first and np.isfinite(_best(tried)) and found[0] > _best(tried) + STOP:
             break
-        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
-        if np.isfinite(_best(tried)) and tried[cutoff_hz][0] > _best(tried) + STOP:
+    left, keeps = tried[first]
+    for cutoff_hz, found in _in_turn(trial, log, upwards):
+        tried[cutoff_hz] = found
+        improved = not np.isfinite(left) or found[0] < left - AS_GOOD
+        if (keeps is Keeps.BOTH and not improved) or found[0] > _best(tried) + STOP:
             break
-    cutoff_hz = first
-    while cutoff_hz < highest:
-        left, keeps = tried[cutoff_hz]
-        cutoff_hz = min(2.0 * cutoff_hz, highest)
-        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
-        improved = not np.isfinite(left) or tried[cutoff_hz][0] < left - AS_GOOD
-        if (keeps is Keeps.BOTH and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
-            break
+        left, keeps = found
     as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
     good_enough = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + STOP]
     for wanted in (Keeps.BOTH, Keeps.FITTED):
@@ -93,6 +96,14 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
 
 def _best(tried: Mapping[float, tuple[float, Keeps]]) -> float:
     return min(left for left, _ in tried.values())
+
+
+def _in_turn(
+    trial: Callable[[Log, float], Trial], log: Log, cutoffs: Sequence[float]
+) -> Iterator[tuple[float, tuple[float, Keeps]]]:
+    """On several processors the next are under way while one is looked at; of what nobody asks for any more nothing is
+    known."""
+    yield from zip(cutoffs, side_by_side(partial(_tried, trial, log), cutoffs), strict=True)
 
 
 def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, Keeps]:
