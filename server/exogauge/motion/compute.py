@@ -61,7 +61,7 @@ def fit(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]
               for label, rms in zip(found.labels, found.residual, strict=True)]  # fmt: skip
     document = {"version": 1, "name": capture.name, "told": summarise(found), "rms_m": found.rms, "scales": scales,
                 "points": points}  # fmt: skip
-    _write(out / FIT, document)
+    write_document(out / FIT, document)
     (out / "angles.mot").write_bytes(angle_table(found))
     write_series(of_fit(found), out)
     write_figure(figure_of(capture.motion, found), out / FIGURE)
@@ -88,11 +88,11 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
 
     found = retargeted(robot, person, file.retarget, tell, tried)
     progress(0.95, "writing")
-    _write(out / PLAN, retarget_document(found))
+    write_document(out / PLAN, retarget_document(found))
     files = {f"motion{end}": data for end, data in exported(robot, found.planned.spline, found.judged, "csv").items()}
     for name, data in files.items():
         (out / name).write_bytes(data)
-    _write(out / "motion.json", sheet(robot, found.judged, "csv", files, _sources(folder)))
+    write_document(out / "motion.json", sheet(robot, found.judged, "csv", files, _sources(folder)))
     write_series(of_retargeted(found), out)
     write_figure(figure_of(capture.motion, fitted), out / FIGURE)
     played.of_retargeted(found, file.retarget).write(out / PLAYED)
@@ -114,12 +114,18 @@ def excite(folder: Path, out: Path, progress: Progress, settings: Mapping[str, A
         seed=file.excite.seed, report=tell, say=lambda words: progress(0.8, words),
     )  # fmt: skip
     progress(0.95, "writing")
-    judged, acceleration = judged_excitation(found)
-    _write(out / PLAN, excite_document(found, judged, acceleration))
+    document, judged, acceleration = excitation_document(found)
+    write_document(out / PLAN, document)
     (out / MOTION).write_bytes(motion_table(found, EXCITED_HZ))
     columns = add_judged(Columns(judged.time), found.robot, judged, acceleration)
     write_series(columns.table({"log": "motion", "version": "1"}), out)
     played.of_judged(found.robot, judged, acceleration).write(out / PLAYED)
+
+
+def excitation_document(found: ExcitationPlan) -> tuple[dict[str, Any], Judged, Any]:
+    """plan.json, whoever asked; with what it was judged by, as `judged_excitation`."""
+    judged, acceleration = judged_excitation(found)
+    return excite_document(found, judged, acceleration), judged, acceleration
 
 
 def judged_excitation(found: ExcitationPlan) -> tuple[Judged, Any]:
@@ -171,5 +177,6 @@ def _sources(folder: Path) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in [folder / PLAN_YAML, *paths]}
 
 
-def _write(path: Path, document: Mapping[str, Any]) -> None:
+def write_document(path: Path, document: Mapping[str, Any]) -> None:
+    """JSON, as plan.json, fit.json and motion.json are written."""
     path.write_text(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
