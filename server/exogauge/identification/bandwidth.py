@@ -16,14 +16,16 @@ from exogauge.criteria.logs import LOGS
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
-from exogauge.identification.preparation import prepare, suggested_cutoff
+from exogauge.identification.preparation import Prepared, prepare, suggested_cutoff
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import FOLDS, PASSES, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import keeps_most
 from exogauge.identification.turns import WIDEST, rest_detection
+from exogauge.logs.derivatives import derivative_noise_gain
 from exogauge.logs.model import Log
+from exogauge.logs.noise import noise_of
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
@@ -47,11 +49,12 @@ class Keeps(IntEnum):
 class Trial:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
     is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: of a log that
-    is held out too."""
+    is held out too. quiet: no axis' acceleration holds more noise of its position than a fit can take off again."""
 
     left: float
     keeps_most: bool
     keeps_judged: bool
+    quiet: bool = True
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
@@ -62,8 +65,9 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     Downwards, because elastic vibration and current ripple often call for less bandwidth than the sensors could give.
     Upwards, because a slow motion's positions bear little bandwidth, but what is left out around every turn lasts as
     long as the low-pass: so slow a one may leave no row, or rows in one direction only. Where nothing that is as good
-    keeps most of the motion, what keeps it may be worse by 15 %. Never more than 0.2 of the sampling rate, or than
-    `slowest_hz`, the lowest sampling rate of any log that is to be predicted, bears.
+    keeps most of the motion, what keeps it may be worse by 15 %. Where any keeps it whose accelerations are not drowned
+    in noise, only such. Never more than 0.2 of the sampling rate, or than `slowest_hz`, the lowest sampling rate of any
+    log that is to be predicted, bears.
     """
     halvings = 5  # at most: below the positions' own bandwidth by a factor of 32
     log = max(logs, key=lambda one: one.samples)
@@ -73,48 +77,75 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     downwards = [first, *takewhile(lambda hz: hz >= LOWEST_HZ, lower)]
     doubled = (first * 2.0**number for number in range(1, 64))
     upwards = [*takewhile(lambda hz: hz < highest, doubled), highest] if first < highest else []
-    tried: dict[float, tuple[float, Keeps]] = {}
+    tried: dict[float, _Tried] = {}
+
+    def drowned(hz: float) -> bool:
+        return not tried[hz].quiet and any(one.quiet and one.keeps is Keeps.BOTH for one in tried.values())
+
     for cutoff_hz, found in _in_turn(trial, log, downwards):
         tried[cutoff_hz] = found
-        if cutoff_hz < first and np.isfinite(_best(tried)) and found[0] > _best(tried) + STOP:
+        if cutoff_hz < first and np.isfinite(_best(tried)) and found.left > _best(tried) + STOP:
             break
-    left, keeps = tried[first]
+    before = tried[first]
     for cutoff_hz, found in _in_turn(trial, log, upwards):
         tried[cutoff_hz] = found
-        improved = not np.isfinite(left) or found[0] < left - AS_GOOD
-        if (keeps is Keeps.BOTH and not improved) or found[0] > _best(tried) + STOP:
+        if drowned(cutoff_hz):
             break
-        left, keeps = found
-    as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
-    good_enough = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + STOP]
+        improved = not np.isfinite(before.left) or found.left < before.left - AS_GOOD
+        if (before.keeps is Keeps.BOTH and not improved) or found.left > _best(tried) + STOP:
+            break
+        before = found
+    tried = {hz: one for hz, one in tried.items() if not drowned(hz)}
+    as_good = [hz for hz, one in tried.items() if one.left <= _best(tried) + AS_GOOD]
+    good_enough = [hz for hz, one in tried.items() if one.left <= _best(tried) + STOP]
     for wanted in (Keeps.BOTH, Keeps.FITTED):
-        keeping = [hz for hz in good_enough if tried[hz][1] >= wanted]
+        keeping = [hz for hz in good_enough if tried[hz].keeps >= wanted]
         if keeping:
             return min(set(as_good) & set(keeping) or keeping)
     return min(as_good)
 
 
-def _best(tried: Mapping[float, tuple[float, Keeps]]) -> float:
-    return min(left for left, _ in tried.values())
+@final
+@dataclass(frozen=True)
+class _Tried:
+    """left: infinite where so low a bandwidth leaves no steady motion to identify from."""
+
+    left: float
+    keeps: Keeps
+    quiet: bool
+
+
+def _best(tried: Mapping[float, _Tried]) -> float:
+    return min(one.left for one in tried.values())
 
 
 def _in_turn(
     trial: Callable[[Log, float], Trial], log: Log, cutoffs: Sequence[float]
-) -> Iterator[tuple[float, tuple[float, Keeps]]]:
+) -> Iterator[tuple[float, _Tried]]:
     """On several processors the next are under way while one is looked at; of what nobody asks for any more nothing is
     known."""
     yield from zip(cutoffs, side_by_side(partial(_tried, trial, log), cutoffs), strict=True)
 
 
-def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, Keeps]:
-    """(left, whose motion it keeps); left inf where so low a bandwidth leaves no steady motion to identify from."""
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> _Tried:
     try:
         found = trial(log, cutoff_hz)
     except NotIdentifiable:
-        return np.inf, Keeps.NEITHER
-    if not found.keeps_most:
-        return found.left, Keeps.NEITHER
-    return found.left, Keeps.BOTH if found.keeps_judged else Keeps.FITTED
+        return _Tried(np.inf, Keeps.NEITHER, True)
+    both = Keeps.BOTH if found.keeps_judged else Keeps.FITTED
+    return _Tried(found.left, both if found.keeps_most else Keeps.NEITHER, found.quiet)
+
+
+def noise_of_acceleration(robot: Robot, log: Prepared) -> Array:
+    """(A,) share of each axis' mean square acceleration, in steady motion, that is noise of its position; 0 where it
+    has none."""
+    positions = [log.log.channels[f"q.{joint.name}"] for joint in robot.joints]
+    seen = [each.std for each in noise_of(positions, log.log.rate_hz, 0.25 * log.log.rate_hz)]
+    std = derivative_noise_gain(log.low_pass, 2) * np.maximum(seen, robot.noise.get("q", 0.0))
+    inside = log.steady & log.settled[:, None]
+    square = np.mean(log.axis_acceleration**2, axis=0, where=inside | ~inside.any(axis=0))
+    noise = robot.axes_from_joints**2 @ std**2
+    return np.asarray(np.divide(noise, square, out=np.zeros(len(noise)), where=inside.any(axis=0) & (square > 0.0)))
 
 
 def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: float) -> Trial:
@@ -149,4 +180,5 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
     criteria = equations.criteria.identifying
     keeps = keeps_most(prepared, criteria)
     keeps_judged = keeps and (judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria))
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged)
+    quiet = bool(np.all(noise_of_acceleration(robot, prepared) <= criteria.noisy))
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged, quiet)

@@ -34,7 +34,7 @@ def hashed() -> dict[str, str]:
                 path = Path(folder, name)
                 try:
                     found[path.relative_to(PACKAGE).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
-                except FileNotFoundError:  # while they are replaced
+                except OSError:  # while they are replaced
                     continue
     return found
 
@@ -79,7 +79,7 @@ class OnlyThisCode(MetaPathFinder):
 def digest_of(file: str) -> str | None:
     try:
         return hashlib.sha256(Path(file).read_bytes()).hexdigest()
-    except FileNotFoundError:
+    except OSError:
         return None
 
 
