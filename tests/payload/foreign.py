@@ -1,4 +1,4 @@
-"""A wrist sensor recorded elsewhere: an arm of its own, moved and weighed by Newton and Euler in plain NumPy, at 125 Hz.
+"""A wrist sensor recorded elsewhere: an arm moved and weighed by Newton and Euler in plain NumPy, at 125 Hz.
 
 Columns have other names. It shares no code with what is tested, nor with the generator of the sample.
 
