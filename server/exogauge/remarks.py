@@ -33,6 +33,7 @@ class About(StrEnum):
     REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies
     UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many
     WORSE_HELD_OUT = "worse_held_out"  # joints
+    LOGS_LEFT_OUT = "logs_left_out"  # logs; by which their efforts are late, against their positions [s]
     DOCTOR_ERRORS = "doctor_errors"  # channels that the identification rests on
     NO_URDF_OF = "no_urdf_of"  # links
     # the supporting torque

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Literal, Self, final
+from typing import Annotated, Literal, Self, final
 from urllib.parse import urlsplit
 
 from pydantic import Field, model_validator
@@ -70,6 +70,16 @@ class Settings(BaseSettings):
     lab_jobs: int = Field(default=1000, ge=0, description="most jobs of a lab that wait or run; 0: no limit")
     lab_cpu_s_per_day: float = Field(default=0.0, ge=0.0, description="that jobs of a lab may compute; 0: no limit")
     lab_kept_days: float = Field(default=30.0, ge=0.0, description="for which a closed lab can be opened again")
+    deliveries_kept_days: float = Field(default=30.0, ge=0.0, description="that a webhook's are told; 0: always")
+    job_logs_kept_days: float = Field(default=0.0, ge=0.0, description="after a job ended, with its steps; 0: always")
+    unused_logs_kept_days: float = Field(
+        default=0.0, ge=0.0, description="of what was uploaded as a log and is in no study and no payload; 0: always"
+    )
+    studies_kept_days: dict[str, Annotated[float, Field(ge=1.0)]] = Field(
+        default_factory=dict,
+        description='by lab, {"LAB": DAYS}: its studies go with jobs and results so long after they were last worked '
+        "with; labs that are not named keep all",
+    )
     max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
     max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
     upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")

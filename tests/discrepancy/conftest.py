@@ -104,7 +104,8 @@ def weighed(robot):
 
 @pytest.fixture(scope="session")
 def record():
-    """(seed, hidden) -> a log. Six waves per joint, so that each turns often, fast and slow; `still` never moves."""
+    """(seed, hidden) -> a log. Six waves per joint, so that each turns often, fast and slow; `still` never moves.
+    encoder: std of a position's noise [rad]."""
 
     def make(
         seed: int,
@@ -113,6 +114,7 @@ def record():
         noise: float = 0.05,
         noise_seed: int | None = None,
         still: int | None = None,
+        encoder: float = 1e-5,
     ) -> Log:
         rng = np.random.default_rng(seed)
         t = np.arange(0.0, seconds, 1.0 / RATE)
@@ -126,7 +128,7 @@ def record():
         rng = np.random.default_rng(seed + 1000 if noise_seed is None else noise_seed)
         drive = load + FRICTION["k_d"] * v + FRICTION["tau_c"] * np.sign(v) - FRICTION["tau_o"]
         tau = drive + hidden(Motion(t, q, v, load, drive)) + noise * rng.normal(size=q.shape)
-        q = q + 1e-5 * rng.normal(size=q.shape)
+        q = q + encoder * rng.normal(size=q.shape)
         channels = {f"q.{name}": q[:, j] for j, name in enumerate(JOINTS)}
         return Log(f"log{seed}", t, channels | {f"tau.{name}": tau[:, j] for j, name in enumerate(JOINTS)})
 

@@ -198,3 +198,22 @@ def test_what_the_doctor_holds_for_wrong_stands_before_all_that_was_found(tmp_pa
     assert told["names"] == ["q.j2"]
     page = (tmp_path / "out" / "summary.html").read_text()
     assert 0 <= page.index("The doctor holds q.j2 for wrong") < page.index("RMSE on")
+
+
+def test_a_log_whose_efforts_are_of_another_clock_is_neither_fitted_nor_judged_by(tmp_path: Path) -> None:
+    right = recorded(False)
+    fitted = [name for name in right if name.startswith("id")]
+    late = {k: np.roll(v, round(0.4 * RATE)) if k.startswith("i.") else v for k, v in right[fitted[0]].items()}
+    found = []
+    for name, logs in (("right", right), ("late", right | {fitted[0]: late})):
+        study = write_study(tmp_path / name, False, logs, robot_yaml(False), "", "[identify]")
+        evaluate(study, tmp_path / f"{name}_out", lambda *_: None)
+        found.append(json.loads((tmp_path / f"{name}_out" / "results.json").read_text()))
+    (told,) = [each for each in found[1]["notices"] if each["code"] == "logs_left_out"]
+    assert told["names"] == [fitted[0]]
+    assert told["each"][0][0] == pytest.approx(0.4, abs=0.05)
+    assert fitted[0] not in {each["log"] for each in found[1]["identification"]["validation"]}
+    for then, now in zip(*(each["identification"]["joints"] for each in found), strict=True):
+        for name in ("k_T", "tau_c", "k_d"):
+            size = abs(now[name]["value"] - then[name]["value"])
+            assert size < 3.0 * float(np.hypot(now[name]["std"], then[name]["std"])), (then["joint"], name)

@@ -1,23 +1,20 @@
 """The cut-off explains most of what was left out, is the lowest of those alike, and never takes most of a motion."""
 
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from exogauge.errors import NotIdentifiable
-from exogauge.identification.bandwidth import LOWEST_HZ, choose_cutoff
+from exogauge.identification.bandwidth import LOWEST_HZ, Trial, choose_cutoff, noise_of_acceleration
 from exogauge.identification.identify import identify
-from exogauge.identification.preparation import suggested_cutoff
+from exogauge.identification.preparation import prepare, suggested_cutoff
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.turns import rest_detection
 from exogauge.remarks import About
 
-
-@dataclass
-class Tried:
-    left: float
-    keeps_most: bool = True
-    keeps_judged: bool = True
+Tried = partial(Trial, keeps_most=True, keeps_judged=True)
 
 
 @pytest.fixture
@@ -47,21 +44,47 @@ def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(robot_and_l
     assert found == pytest.approx(min(best, 0.2 * log.rate_hz))
 
 
+def test_a_cutoff_whose_accelerations_are_drowned_in_noise_is_not_taken_though_it_explains_more(robot_and_log):
+    robot, log, first = robot_and_log
+
+    def trial(_, hz):
+        return Tried(-float(np.log(hz)), quiet=hz < 1.5 * first)
+
+    assert choose_cutoff(robot, [log], log.rate_hz, trial) == first
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(-float(np.log(hz)), quiet=False))
+    assert found == pytest.approx(0.2 * log.rate_hz)  # where all are noisy, none is refused for it
+
+
+def test_the_share_of_an_acceleration_that_is_noise_is_told(make_truth, make_log):
+    robot = make_truth(False).robot
+    clean = make_log(make_truth(False), seed=1, seconds=20.0, noise=0.0)
+    std, random = 3e-4, np.random.default_rng(1)
+    noise = {f"q.{each.name}": std * random.standard_normal(clean.samples) for each in robot.joints}
+    noisy = replace(clean, channels={k: v + noise.get(k, 0.0) for k, v in clean.channels.items()})
+    at_rest = rest_detection(robot, [noisy], 10.0)
+    ready, true = (prepare(robot, each, 10.0, at_rest) for each in (noisy, clean))
+    inside = ready.steady & ready.settled[:, None]
+    change = np.mean((ready.axis_acceleration - true.axis_acceleration) ** 2, axis=0, where=inside)
+    expected = change / np.mean(ready.axis_acceleration**2, axis=0, where=inside)
+    assert noise_of_acceleration(robot, ready) == pytest.approx(expected, rel=0.25)
+    assert noise_of_acceleration(robot, true).max() < 1e-3 * expected.min()
+
+
 def test_a_cutoff_at_which_turns_take_most_of_a_motion_is_not_taken(robot_and_log):
     robot, log, first = robot_and_log
-    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 1.5 * first))
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, keeps_most=hz > 1.5 * first))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 
 def test_a_cutoff_at_which_turns_take_most_of_what_judges_is_not_taken(robot_and_log):
     robot, log, first = robot_and_log
-    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 0.7 * first, hz > 1.5 * first))
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, hz > 0.7 * first, hz > 1.5 * first))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 
 def test_where_nothing_lets_judge_the_fitted_motion_decides(robot_and_log):
     robot, log, first = robot_and_log
-    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 0.7 * first, False)) == first
+    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, hz > 0.7 * first, False)) == first
 
 
 def test_where_no_row_is_left_a_higher_cutoff_is_sought(robot_and_log):

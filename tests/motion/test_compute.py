@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.motion.captures import bow, bvh
-from tests.motion.robots import arm_folder
+from tests.motion.robots import ARMS, arm_folder
 
+from exogauge.cli import main
 from exogauge.errors import BadMotion
 from exogauge.motion import compute
 from exogauge.motion.contract import ContactsEntry
@@ -78,12 +79,20 @@ def test_a_body_is_fitted_and_drawn_as_it_bent(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_arms_motion_that_identifies_tells_what_will_be_known(tmp_path: Path) -> None:
-    arm_folder(tmp_path / "plan" / "robot", "ur10")
+def test_an_arms_motion_that_identifies_tells_what_will_be_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The same from the command as from the job, to the byte; links do not count beside what they are made of."""
+    robot = arm_folder(tmp_path / "plan" / "robot", "ur10")
     (tmp_path / "plan" / "plan.yaml").write_text("version: 1\nrobot: x\nexcite: {seconds: 4}\n")
     out = tmp_path / "out"
     out.mkdir()
-    compute.excite(tmp_path / "plan", out, quiet, {})
+    told = list[tuple[float, str]]()
+    compute.excite(tmp_path / "plan", out, lambda *now: told.append(now), {})
+    shares = np.array([share for share, _ in told])
+    assert (np.diff(shares) >= 0.0).all()
+    searched = [share for share, words in told if words.startswith("search")]
+    assert searched[0] < 0.1
     document = json.loads((out / compute.PLAN).read_text())
     assert document["broken"] == []
     assert document["margins"]["pressure_inside_m"] is None
@@ -97,3 +106,21 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(tmp_path: Path)
     assert 0.2 < max(largest.values()) <= 1.0001
     with pytest.raises(BadMotion):
         compute.retarget(tmp_path / "plan", out, quiet, {})
+
+    by_command = tmp_path / "command.csv"
+    assert main(["motion", "excite", "--robot", str(robot), "--seconds", "4", "--json", "--out", str(by_command)]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert {**said, "written": 0} == {**document["told"], "written": 0}
+    assert by_command.with_suffix(".json").read_bytes() == (out / compute.PLAN).read_bytes()
+    assert by_command.read_bytes() == (out / compute.MOTION).read_bytes()
+
+    told_by = {"base": lambda name: name.startswith("base["), "joint": lambda name: name.split("[")[1][:-1] in joints}
+    joints = set(ARMS["ur10"][1])
+    links = [each for each in document["parameters"] if each["kind"] == "link"]
+    assert len(links) == 10 * len({each["name"].split("[")[1] for each in links}) > 0
+    for count in document["counts"]:
+        of = [each for each in document["parameters"] if each["kind"] == count["kind"] and each["before"] > 0.0]
+        assert all(told_by[count["kind"]](each["name"]) for each in of)
+        assert count["of"] == len(of) > 20
+        assert count["decided"] == sum(each["decided"] for each in of)
+        assert document["told"][f"{count['kind']} parameters"].startswith(f"{count['decided']} of {count['of']} ")

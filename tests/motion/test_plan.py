@@ -35,6 +35,7 @@ from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
 from exogauge.motion.plan.written import Written, read_written
+from exogauge.motion.retargeting import with_margin
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
 from exogauge.robots.moving.standing import base_on, standing
@@ -286,15 +287,15 @@ def weak(robot: MotionRobot, share: float) -> MotionRobot:
 def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: MotionRobot) -> None:
     assert at_home(robot, USUAL).excess == 0.0
     limp = at_home(weak(robot, 0.01), USUAL)
-    assert limp.hopeless
+    assert limp.lacks
     enough = 1.02 * limp.needs / (limp.bears * USUAL.kept) * 0.01
     assert at_home(weak(robot, enough), USUAL).excess < 0.01
     assert at_home(weak(robot, 0.9 * enough), USUAL).excess > 0.01
-    wide = replace(USUAL, margin_m=0.1)  # the soles are 11 cm wide
+    wide = with_margin(0.1)  # the soles are 11 cm wide
     narrow = at_home(robot, wide)
-    assert (narrow.what, narrow.needs, narrow.hopeless) == (PRESSURE, 0.1, True)
+    assert (narrow.what, narrow.needs, narrow.lacks) == (PRESSURE, 0.1, True)
     for apart, holds in ((-1e-3, True), (1e-3, False)):
-        assert (at_home(robot, replace(wide, margin_m=narrow.bears + apart)).excess == 0.0) is holds
+        assert (at_home(robot, with_margin(narrow.bears + apart)).excess == 0.0) is holds
 
 
 def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_it(robot: MotionRobot, bent) -> None:
@@ -303,17 +304,36 @@ def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_i
     ends = planned.spline.at(np.array([0.0, planned.spline.duration]))
     assert ends[0] == pytest.approx(asked.q[[0, -1]], abs=1e-9)
     assert max(np.abs(each).max() for each in ends[1:]) < 1e-6
-    need = at_home(weak(robot, 0.01), USUAL)
-    share = 0.01 * need.needs / need.bears
-    lacking = weak(robot, 0.97 * share)
-    assert 0.0 < at_home(lacking, USUAL).excess < USUAL.hopeless
-    slight = bend(robot, 0.2, 1.0)
-    found, judged = plan_within(lacking, slight)
+    hardly = weak(robot, 1.01 * just_enough(robot))
+    assert not at_home(hardly, USUAL).lacks
+    assert at_home(hardly, USUAL).excess > 0.0  # what is kept of the bound for planning is too little
+    found, _ = plan_within(hardly, bend(robot, 0.2, 1.0))
     assert found.spline.at(np.zeros(1))[0][0] == pytest.approx(robot.home, abs=1e-9)
-    told = [line.split(":")[0] for line in judged.broken]
-    assert told[0] == f"torque of {need.what}"
+
+
+def just_enough(robot: MotionRobot) -> float:
+    """Share of its torque by which a robot stands at home, if nothing is kept of any bound."""
+    need = at_home(weak(robot, 0.01), USUAL)
+    return 0.01 * need.needs / need.bears
+
+
+@pytest.mark.parametrize("share", [0.97, 0.9])
+def test_what_home_lacks_is_told_at_once_with_a_home_that_would_do(robot: MotionRobot, share: float) -> None:
+    rounds, lacking = list[Round](), weak(robot, share * just_enough(robot))
+    _, judged = plan_within(lacking, bend(robot, 0.2, 1.0), report=rounds.append)
+    assert not rounds
+    rest = at_home(lacking, USUAL)
+    assert judged.broken[0] == str(rest)
+    assert f"torque of {rest.what}" in judged.broken[0]
     assert "to stand still at home" in judged.broken[0]
     assert (np.abs(judged.torque[0]) / lacking.limits.torque).max() > 1.0
+    assert rest.bend is not None
+    for way, holds in ((1.0, True), (1.04, False)):
+        home = robot.home.copy()
+        legs = np.concatenate([robot.leg(foot) for foot in (0, 1)])
+        home[legs] *= way * rest.bend
+        home[: robot.base] = base_on(robot, home[None])[0]
+        assert at_home(replace(lacking, home=home), USUAL).lacks is not holds
 
 
 def test_nothing_is_planned_for_a_robot_that_cannot_stand_at_home(robot: MotionRobot) -> None:

@@ -19,7 +19,7 @@ def test_nothing_is_searched_for_where_home_lacks_a_little(robot: MotionRobot) -
 
     need = at_home(weak(0.01), USUAL)
     lacking = weak(0.97 * 0.01 * need.needs / need.bears)
-    assert USUAL.over < at_home(lacking, USUAL).excess < USUAL.hopeless
+    assert at_home(lacking, USUAL).lacks
     turn = np.tile(np.eye(3), (2, 1, 1))
     still = Person("still", np.arange(2.0), np.zeros((2, 3)), turn, turn, {}, 0.8)
     tried = list[str]()

@@ -64,7 +64,7 @@ def test_one_log_whose_efforts_are_of_another_clock_is_told_and_no_other(
     shifted = [late(each, seconds) if k == 1 else each for k, each in enumerate(logs)]
     found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(shifted)]))
     ((log, finding),) = found
-    assert (log, finding.rule) == ("log_1", "effort_delay")
+    assert (log, finding.rule) == ("log_1", "effort_clock")
     assert finding.value == pytest.approx(seconds, abs=0.05)
     assert "delay_s" in finding.advice
 

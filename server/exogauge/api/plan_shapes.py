@@ -106,18 +106,32 @@ class WouldDo(_Found):
 
 @final
 class CertainOut(_Found):
-    """One parameter: its standard deviation before the motion is recorded, and then. decided: by the data."""
+    """One parameter: its standard deviation before the motion is recorded, and then. decided: by the data. kind: null
+    of plans of earlier versions."""
 
     name: str
     unit: str
     before: float
     std: float
     decided: bool
+    kind: Literal["base", "joint", "link", "added"] | None = None
+
+
+@final
+class CountOut(_Found):
+    """How many parameters of a kind, of which something was left to know, the data will decide. left: median share of
+    the doubt before."""
+
+    kind: Literal["base", "joint"]
+    decided: int
+    of: int
+    left: float
 
 
 @final
 class PlanFound(_Found):
-    """plan.json. broken: bounds that do not hold, in words; empty where all do. told: the same in words, by key."""
+    """plan.json. broken: bounds that do not hold, in words; empty where all do. told: the same in words, by key.
+    counts: of base and joint parameters, to which those of links add nothing; empty in plans of earlier versions."""
 
     kind: Kind
     robot: str
@@ -131,6 +145,7 @@ class PlanFound(_Found):
     would_do: WouldDo | None
     told: dict[str, str | float | list[str]]
     parameters: list[CertainOut]
+    counts: list[CountOut] = Field(default_factory=list)
 
 
 @final

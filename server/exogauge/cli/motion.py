@@ -87,7 +87,7 @@ def add_commands(commands: Commands) -> None:
     )
     excite.add_argument("--seed", type=int, default=0, help="of the random motions that the search begins from")
     excite.add_argument("--json", action="store_true", help="as JSON")
-    beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: how well every parameter will be known"
+    beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: plan.json of the service"
     excite.add_argument("--out", type=Path, metavar="FILE.csv", help=beside)
     add_server(excite)
     excite.set_defaults(command=excite_robot)
@@ -177,7 +177,8 @@ def excite_robot(args: argparse.Namespace) -> int:
     """1 where no motion keeps within every bound; then nothing is written."""
     if args.server:
         return send_excite(args)
-    from exogauge.motion.excite.plan import motion_table, plan_excitation, promise_file, summarise
+    from exogauge.motion.compute import EXCITED_HZ, excitation_document, write_document
+    from exogauge.motion.excite.plan import motion_table, plan_excitation
 
     def tell(start: int, count: int, cost: float, largest: float) -> None:
         if count % 20 == 0:
@@ -185,14 +186,15 @@ def excite_robot(args: argparse.Namespace) -> int:
                   f"{100 * largest:.0f} %", file=sys.stderr)  # fmt: skip
 
     plan = plan_excitation(args.robot, args.seconds, study=args.study, result=args.result, seed=args.seed, report=tell,
-                           say=lambda words: print(words, file=sys.stderr))  # fmt: skip
-    said = summarise(plan)
-    if args.out is not None and "broken" not in said:
-        args.out.write_bytes(motion_table(plan, 200.0))
-        args.out.with_suffix(".json").write_bytes(promise_file(plan))
+                           say=lambda share, words: print(words, file=sys.stderr))  # fmt: skip
+    document, _, _ = excitation_document(plan)
+    said = dict(document["told"])
+    if args.out is not None and not document["broken"]:
+        args.out.write_bytes(motion_table(plan, EXCITED_HZ))
+        write_document(args.out.with_suffix(".json"), document)
         said["written"] = args.out.name
     _print(said, args.json)
-    return 1 if "broken" in said else 0
+    return 1 if document["broken"] else 0
 
 
 def _print(said: Mapping[str, object], as_json: bool) -> None:

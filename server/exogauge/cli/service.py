@@ -44,6 +44,7 @@ def add_commands(commands: Commands) -> None:
 
 
 def start_server(options: argparse.Namespace) -> int:
+    import exogauge.jobs.code_version  # noqa: F401 (files are hashed before they are used)
     from exogauge.serving import serve
     from exogauge.settings import Settings
 
@@ -56,6 +57,7 @@ def start_server(options: argparse.Namespace) -> int:
 
 
 def start_worker(options: argparse.Namespace) -> int:
+    import exogauge.jobs.code_version  # noqa: F401 (files are hashed before they are used)
     from exogauge.jobs.worker import work
     from exogauge.settings import Settings
 

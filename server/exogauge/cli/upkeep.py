@@ -8,8 +8,12 @@ import sys
 from dataclasses import asdict
 from datetime import timedelta
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from exogauge.cli.endings import Commands
+
+if TYPE_CHECKING:  # imported where used: most commands need no database
+    from exogauge.storage.retention import Retired
 
 NOT_SOUND = 1  # what the command ends with
 KINDS = {
@@ -29,6 +33,7 @@ def add_commands(commands: Commands) -> None:
     gc.add_argument(
         "--stopped", action="store_true", help="no server and no worker runs: nothing is on its way, wait for nothing"
     )
+    gc.add_argument("--dry-run", action="store_true", help="say what goes because it is old, and remove nothing")
     gc.set_defaults(command=sweep_all)
 
     backup = commands.add_parser("backup", help="rows and blobs into a folder, beside a service that runs")
@@ -133,20 +138,36 @@ def sweep_all(options: argparse.Namespace) -> int:
     from exogauge.storage.held_files import YOUNG_S
     from exogauge.storage.migrate import at_newest_or_raise, current
     from exogauge.storage.orphans import WAIT
+    from exogauge.storage.retention import Ages, retire
     from exogauge.storage.store import open_installation
-    from exogauge.storage.sweeping import sweep_installation, sweep_machine
+    from exogauge.storage.sweeping import Swept, sweep_installation, sweep_machine, waiting
 
     settings = Settings()
     at_newest_or_raise(current(settings.database_url))
     installation = open_installation(settings)
+    aged = retire(installation, Ages.of(settings), dry=options.dry_run)
+    if options.dry_run:
+        swept = Swept(orphans_waiting=waiting(installation))
+        print(json.dumps({**asdict(swept), "aged": aged.as_json()}) if options.json else told_as_aged(aged, "would go"))
+        installation.close()
+        return 0
     swept = sweep_installation(installation, timedelta(0) if options.stopped else WAIT)
     swept += sweep_machine(installation, settings, 0.0 if options.stopped else YOUNG_S)
     installation.close()
     if options.json:
-        print(json.dumps(asdict(swept)))
+        print(json.dumps({**asdict(swept), "aged": aged.as_json()}))
         return 0
     print(
         f"removed: {swept.blobs} blobs, {swept.incoming} half written, {swept.uploads} uploads, {swept.scratch} folders"
     )
     print(f"         {swept.live} of live streams, {swept.shelves} pictures; {swept.orphans_waiting} blobs wait")
+    print(told_as_aged(aged, "went"))
     return 0
+
+
+def told_as_aged(aged: Retired, how: str) -> str:
+    """What age alone removes, in words."""
+    return (
+        f"by age {how}: {aged.studies} studies ({aged.studies_needed} more are needed), {aged.logs} unused logs, "
+        f"logs of {aged.job_logs} jobs, {aged.deliveries} deliveries, {aged.keys} keys of requests"
+    )

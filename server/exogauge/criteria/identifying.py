@@ -116,6 +116,12 @@ class Identifying:
     least_steady: float = criterion(
         0.2, "1", "of an axis' motion in one direction that has to be steady", judgement(HERE)
     )
+    noisy: float = criterion(
+        0.1,
+        "1",
+        "of an axis' mean square acceleration that may be noise of its position, where a lower cut-off is at hand",
+        derived("drawn once more and taken off, a share r leaves inertias too small by 2 r²: 2 %"),
+    )
     enough_steady: float = criterion(
         0.25, "1", "of what a joint moves, in steady motion: below, the reader is warned", judgement(HERE)
     )

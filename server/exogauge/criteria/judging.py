@@ -87,6 +87,27 @@ class Judging:
         "standard errors of a log of 25 s",
         derived("a variance by median deviations has 1/.37 of the variance of the best estimate, in 1000 values"),
     )
+    noise_apart: float = criterion(
+        1.5,
+        "1",
+        "as factor, between two frequencies that tell whether noise falls",
+        judgement("server/exogauge/logs/noise_colour.py"),
+    )
+    noise_told: float = criterion(
+        0.16,
+        "of the sampling rate",
+        "up to which noise is seen to fall and can be continued into the band: further up all first-order noise falls "
+        "alike",
+        derived(
+            "density above 0.17 over that above 0.34 of the rate: 1.33 for 0.5, 1.42 for 0.8 from sample to sample"
+        ),
+    )
+    noise_assumed: float = criterion(
+        0.8,
+        "1",
+        "that one sample of noise may hand on to the next where it is seen to fall, and not how steeply",
+        measured("tests/logs/test_noise_colour.py: recovered to a quarter up to there where it can be told"),
+    )
     noise_steepest: float = criterion(
         0.98,
         "1",

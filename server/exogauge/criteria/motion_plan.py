@@ -38,8 +38,6 @@ class MotionPlan:
     say.
     rounds: at most; patience: in which neither the step nor what is wrong falls below `nearer` times its least so
     far, until a stretch is given up; two knee raises of CMU 13_29 took 7 of them, and then came to their end.
-    hopeless: share of a joint's torque by which home itself, at rest, exceeds it, from where on nothing is planned: a
-    motion begins and ends there; by less the nearest is planned, and told as broken.
     aside: [rad or m] by which a joint may begin or end beside home; a plan is there to round-off where one was found.
     lift_s: in which a foot that lifts is eased into its way, and out of it; a foot that is up for less than twice that
     stays down. approach_s: from home to the motion's begin, and back.
@@ -84,7 +82,6 @@ class MotionPlan:
     rounds: int = 30
     patience: int = 12
     nearer: float = 0.8
-    hopeless: float = 0.1
     aside: float = 1e-3
     lift_s: float = 0.15
     approach_s: float = 2.0

@@ -144,6 +144,7 @@ class Why(StrEnum):
     SMALL_BESIDE = "small_beside"  # of: the effect that was named there, if it is one
     UNDER_SUPPORT = "under_support"  # share of the support that it would have to be
     AT_FLOOR = "at_floor"
+    NOISE_ALONE = "noise_alone"  # share of the fall that is noise which the effect smooths
     ONCE = "once"
     BETTERED = "bettered"  # of: effects with which another one explains more
     PARTIAL = "partial"  # share of the excess that it explains, and noise floors that are left; of: channel

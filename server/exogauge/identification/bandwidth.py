@@ -14,14 +14,16 @@ from exogauge.criteria.logs import LOGS
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
-from exogauge.identification.preparation import prepare, suggested_cutoff
+from exogauge.identification.preparation import Prepared, prepare, suggested_cutoff
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import FOLDS, PASSES, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import keeps_most
 from exogauge.identification.turns import WIDEST, rest_detection
+from exogauge.logs.derivatives import derivative_noise_gain
 from exogauge.logs.model import Log
+from exogauge.logs.noise import noise_of
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
@@ -44,11 +46,12 @@ class Keeps(IntEnum):
 class Trial:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
     is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: of a log that
-    is held out too."""
+    is held out too. quiet: no axis' acceleration holds more noise of its position than a fit can take off again."""
 
     left: float
     keeps_most: bool
     keeps_judged: bool
+    quiet: bool = True
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
@@ -59,51 +62,79 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     Downwards, because elastic vibration and current ripple often call for less bandwidth than the sensors could give.
     Upwards, because a slow motion's positions bear little bandwidth, but what is left out around every turn lasts as
     long as the low-pass: so slow a one may leave no row, or rows in one direction only. Where nothing that is as good
-    keeps most of the motion, what keeps it may be worse by 15 %. Never more than 0.2 of the sampling rate, or than
-    `slowest_hz`, the lowest sampling rate of any log that is to be predicted, bears.
+    keeps most of the motion, what keeps it may be worse by 15 %. Where any keeps it whose accelerations are not drowned
+    in noise, only such. Never more than 0.2 of the sampling rate, or than `slowest_hz`, the lowest sampling rate of any
+    log that is to be predicted, bears.
     """
     halvings = 5  # at most: below the positions' own bandwidth by a factor of 32
     log = max(logs, key=lambda one: one.samples)
     highest = min(LOGS.fastest * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
     first = min(suggested_cutoff(robot, logs), highest)
     tried = {first: _tried(trial, log, first)}
+
+    def drowned(hz: float) -> bool:
+        return not tried[hz].quiet and any(one.quiet and one.keeps is Keeps.BOTH for one in tried.values())
+
     for number in range(1, halvings + 1):
         cutoff_hz = first / 2.0**number
         if cutoff_hz < LOWEST_HZ:
             break
         tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
-        if np.isfinite(_best(tried)) and tried[cutoff_hz][0] > _best(tried) + STOP:
+        if np.isfinite(_best(tried)) and tried[cutoff_hz].left > _best(tried) + STOP:
             break
     cutoff_hz = first
     while cutoff_hz < highest:
-        left, keeps = tried[cutoff_hz]
+        before = tried[cutoff_hz]
         cutoff_hz = min(2.0 * cutoff_hz, highest)
         tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
-        improved = not np.isfinite(left) or tried[cutoff_hz][0] < left - AS_GOOD
-        if (keeps is Keeps.BOTH and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
+        if drowned(cutoff_hz):
             break
-    as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
-    good_enough = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + STOP]
+        improved = not np.isfinite(before.left) or tried[cutoff_hz].left < before.left - AS_GOOD
+        if (before.keeps is Keeps.BOTH and not improved) or tried[cutoff_hz].left > _best(tried) + STOP:
+            break
+    tried = {hz: one for hz, one in tried.items() if not drowned(hz)}
+    as_good = [hz for hz, one in tried.items() if one.left <= _best(tried) + AS_GOOD]
+    good_enough = [hz for hz, one in tried.items() if one.left <= _best(tried) + STOP]
     for wanted in (Keeps.BOTH, Keeps.FITTED):
-        keeping = [hz for hz in good_enough if tried[hz][1] >= wanted]
+        keeping = [hz for hz in good_enough if tried[hz].keeps >= wanted]
         if keeping:
             return min(set(as_good) & set(keeping) or keeping)
     return min(as_good)
 
 
-def _best(tried: Mapping[float, tuple[float, Keeps]]) -> float:
-    return min(left for left, _ in tried.values())
+@final
+@dataclass(frozen=True)
+class _Tried:
+    """left: infinite where so low a bandwidth leaves no steady motion to identify from."""
+
+    left: float
+    keeps: Keeps
+    quiet: bool
 
 
-def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, Keeps]:
-    """(left, whose motion it keeps); left inf where so low a bandwidth leaves no steady motion to identify from."""
+def _best(tried: Mapping[float, _Tried]) -> float:
+    return min(one.left for one in tried.values())
+
+
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> _Tried:
     try:
         found = trial(log, cutoff_hz)
     except NotIdentifiable:
-        return np.inf, Keeps.NEITHER
-    if not found.keeps_most:
-        return found.left, Keeps.NEITHER
-    return found.left, Keeps.BOTH if found.keeps_judged else Keeps.FITTED
+        return _Tried(np.inf, Keeps.NEITHER, True)
+    both = Keeps.BOTH if found.keeps_judged else Keeps.FITTED
+    return _Tried(found.left, both if found.keeps_most else Keeps.NEITHER, found.quiet)
+
+
+def noise_of_acceleration(robot: Robot, log: Prepared) -> Array:
+    """(A,) share of each axis' mean square acceleration, in steady motion, that is noise of its position; 0 where it
+    has none."""
+    positions = [log.log.channels[f"q.{joint.name}"] for joint in robot.joints]
+    seen = [each.std for each in noise_of(positions, log.log.rate_hz, 0.25 * log.log.rate_hz)]
+    std = derivative_noise_gain(log.low_pass, 2) * np.maximum(seen, robot.noise.get("q", 0.0))
+    inside = log.steady & log.settled[:, None]
+    square = np.mean(log.axis_acceleration**2, axis=0, where=inside | ~inside.any(axis=0))
+    noise = robot.axes_from_joints**2 @ std**2
+    return np.asarray(np.divide(noise, square, out=np.zeros(len(noise)), where=inside.any(axis=0) & (square > 0.0)))
 
 
 def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: float) -> Trial:
@@ -138,4 +169,5 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
     criteria = equations.criteria.identifying
     keeps = keeps_most(prepared, criteria)
     keeps_judged = keeps and (judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria))
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged)
+    quiet = bool(np.all(noise_of_acceleration(robot, prepared) <= criteria.noisy))
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged, quiet)

@@ -19,7 +19,8 @@ from typing import Any, TypeVar, final
 from exogauge.errors import Away, Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS, MAX_CRASHES
-from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
+from exogauge.jobs.code_version import outdated
+from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed, Outdated
 from exogauge.jobs.plans_beside import lay_plans
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import next_jobs
@@ -77,10 +78,18 @@ def until_it_works(
 
 @final
 class Runner:
-    """Runs jobs, one at a time, for one worker: each in its own lab. scratch: this worker's own folder."""
+    """Runs jobs, one at a time, for one worker: each in its own lab. scratch: this worker's own folder. begin_anew:
+    called where the program's files have changed; no job is taken after that."""
 
-    def __init__(self, installation: Installation, worker_id: str, scratch: Path) -> None:
+    def __init__(
+        self,
+        installation: Installation,
+        worker_id: str,
+        scratch: Path,
+        begin_anew: Callable[[], None] = lambda: None,
+    ) -> None:
         self._installation, self._worker, self._scratch = installation, worker_id, scratch
+        self._begin_anew, self._outdated = begin_anew, False
         self.temporary = scratch / "tmp"
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
@@ -98,6 +107,9 @@ class Runner:
         """Bring the job whose turn it is to an end, if there is one."""
         with self._one_at_a_time:
             again: str | None = None
+            if self._outdated or outdated():
+                self._end_of_this_code()
+                return
             while (job := until_it_works(partial(self._claim, again))) is not None:
                 again = job.id
                 try:
@@ -108,9 +120,21 @@ class Runner:
                     continue
                 except NotMineAnyMore:
                     log.warning("job %s is no longer ours", job.id)
+                except Outdated as error:
+                    log.warning("job %s goes back into the queue: %s", job.id, error)
+                    until_it_works(self._release)
+                    self._end_of_this_code()
                 except Leaving:
                     log.info("job %s goes back into the queue", job.id)
                 return
+
+    def _end_of_this_code(self) -> None:
+        self._outdated = True
+        self._begin_anew()
+
+    def _release(self) -> None:
+        with self._installation.session() as session:
+            claims.release(session, self._worker)
 
     def _claim(self, again: str | None) -> JobRecord | None:
         """The next job, or the one whose computation died. None where other workers were quicker."""
@@ -141,7 +165,7 @@ class Runner:
         try:
             self._compute_and_save(job, folder)
             log.info("job %s succeeded in %.1f s", job.id, time.monotonic() - started)
-        except (ComputeChildDied, NotMineAnyMore, Leaving):
+        except (ComputeChildDied, NotMineAnyMore, Outdated, Leaving):
             raise
         except Cancelled:
             self._cancelled(job)
@@ -288,9 +312,9 @@ class Runner:
     def leave(self, patience_s: float = 5.0) -> None:
         """Stop computing, take nothing more, and put back what was not finished in time."""
         self._leaving.set()
-        self._one_at_a_time.acquire(timeout=patience_s)  # never released: no further job starts here
-        with self._installation.session() as session:
-            claims.release(session, self._worker)
+        if self._one_at_a_time.acquire(timeout=patience_s):  # never released: no further job starts here
+            self._child.kill()
+        self._release()
         shutil.rmtree(self._scratch, ignore_errors=True)
 
 

@@ -7,7 +7,8 @@ Started by `compute.ComputeChild` with one end of a socket pair. Requests and re
     -> {"id": 7, "done": true}  |  {"id": 7, "error": {"class", "message", "faults", "trace"}}
 
 The child leaves as soon as the other end of the socket is gone, even in the middle of a computation:
-a thread of its own does nothing but read. A worker that was killed leaves no orphan behind.
+a thread of its own does nothing but read. A worker that was killed leaves no orphan behind. It computes by its
+worker's code alone (`code_version.hold_to`): modules are imported when a job first needs them, and may be others then.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.errors import BadInput, DiskFull, ExogaugeError, no_room
+from exogauge.jobs.code_version import hold_to
 from exogauge.progress import Stage
 
 PROGRESS_INTERVAL_S = 0.1
@@ -111,7 +113,8 @@ def be_first_to_go() -> None:
 
 
 def main() -> None:
-    """Serve requests on the socket whose number is the first argument."""
+    """Serve requests on the socket whose number is the first argument, by the code that the second names."""
+    hold_to(sys.argv[2])
     faulthandler.enable()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the whole group; the worker decides
     be_first_to_go()

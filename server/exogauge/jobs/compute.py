@@ -21,6 +21,7 @@ from typing import IO, Any, final
 
 from exogauge.blas_threads import one_thread
 from exogauge.errors import DiskFull, ExogaugeError
+from exogauge.jobs.code_version import OUTDATED, code_version
 from exogauge.storage.blobs import disk
 
 POLL_S = 0.1
@@ -35,6 +36,10 @@ class ComputeChildDied(ExogaugeError):
     def __init__(self, message: str, stderr: str = "") -> None:
         self.stderr = stderr
         super().__init__(message)
+
+
+class Outdated(ExogaugeError):
+    """The program's files were replaced: what goes on would be computed by code of two versions."""
 
 
 class ComputeTimeout(ExogaugeError):
@@ -85,7 +90,7 @@ class ComputeChild:
         with disk("start to compute"):
             self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (lives as long as the process)
         ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", "exogauge.jobs.child", str(theirs.fileno())]
+        command = [sys.executable, "-m", "exogauge.jobs.child", str(theirs.fileno()), code_version()]
         self._process = subprocess.Popen(
             command,
             pass_fds=[theirs.fileno()],
@@ -109,7 +114,8 @@ class ComputeChild:
         """Run `call(folder, out, progress, settings)` in the child.
 
         Raises ComputeFailed when the function raised, DiskFull when it met one, ComputeChildDied when the process
-        died, ComputeTimeout, and whatever `watch` raises. In all but the first case the process is gone afterwards.
+        died, Outdated when it would have gone on by other code, ComputeTimeout, and whatever `watch` raises. In all but
+        the first case the process is gone afterwards.
         """
         self.start()
         self._request_id += 1
@@ -164,13 +170,15 @@ class ComputeChild:
             watch(reply["progress"], reply["message"], reply["stage"])
         return "done" in reply
 
-    def _died(self) -> ComputeChildDied:
+    def _died(self) -> ComputeChildDied | Outdated:
         process = self._process
         assert process is not None
         try:
             code = process.wait(timeout=5.0)
         except subprocess.TimeoutExpired:
             code = 0
+        if code == OUTDATED:
+            return Outdated(self.stderr_tail().strip())
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         return ComputeChildDied(f"the computing process died ({how})", self.stderr_tail())
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import cast, final
 
 import dbos._dbos
+import dbos._sys_db
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
 from sqlalchemy.orm import Session
@@ -31,6 +32,10 @@ WORKFLOW = "run_job"
 VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
 POLL_S = 1.0  # judgement: while the bell has just rung (`bell`)
 UNUSED_S = 600.0  # judgement, as seldom as does no harm: how often DBOS looks for what nobody here asks it for
+# DBOS would hold up to 20 connections of a database that gives 100, and one more to hear of messages that nobody sends.
+# None of its transactions needs another one beside it, so that its threads can share one. judgement: they wait for it
+# longer than a line that was cut keeps all of them, as DBOS tries again what a database refused, but not that wait
+POOL = {"pool_size": 1, "max_overflow": 0, "pool_timeout": 600.0}
 WAITING = ["ENQUEUED", "DELAYED"]
 TAKEN = "PENDING"
 
@@ -125,9 +130,11 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
         finally:
             bell.ring()  # there may be more
 
-    look, sweep = dbos._dbos.queue_thread, dbos._dbos.background_jobs_thread
-    dbos._dbos.queue_thread = lambda stop, of: look(cast(threading.Event, Patience(stop, bell)), of)
-    dbos._dbos.background_jobs_thread = lambda _stop, _of: None
+    queue, database = dbos._dbos, dbos._sys_db.SystemDatabase
+    look, sweep, hear = queue.queue_thread, queue.background_jobs_thread, database.run_notification_listener
+    queue.queue_thread = lambda stop, of: look(cast(threading.Event, Patience(stop, bell)), of)
+    queue.background_jobs_thread = lambda _stop, _of: None
+    database.run_notification_listener = lambda _self: None
 
     DBOS(
         config={
@@ -137,8 +144,8 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
             "application_version": VERSION,
             "log_level": "ERROR",
             "max_executor_threads": 4,
+            "db_engine_kwargs": POOL,
             "notification_coalesce_sec": UNUSED_S,
-            "notification_listener_polling_interval_sec": UNUSED_S,
             "scheduler_polling_interval_sec": UNUSED_S,
             "run_migrations": False,
         }
@@ -146,7 +153,8 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
     DBOS.workflow(name=WORKFLOW, max_recovery_attempts=1000)(run_job)  # `attempts` of the job row is the guard
     DBOS.listen_queues([QUEUE])
     DBOS.launch()
-    dbos._dbos.queue_thread, dbos._dbos.background_jobs_thread = look, sweep
+    queue.queue_thread, queue.background_jobs_thread = look, sweep
+    database.run_notification_listener = hear
     DBOS.register_queue(QUEUE, worker_concurrency=1, polling_interval_sec=POLL_S, on_conflict="always_update")
 
 

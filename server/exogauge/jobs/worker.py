@@ -6,12 +6,13 @@ import logging
 import math
 import os
 import signal
+import sys
 import tempfile
 import threading
 
 from exogauge.jobs.attempt import Runner
 from exogauge.jobs.bell import Bell, listen
-from exogauge.jobs.code_version import code_version
+from exogauge.jobs.code_version import code_version, hashed
 from exogauge.jobs.engine import JobQueue, take_jobs
 from exogauge.jobs.leases import Lease, Reaper, new_worker_id
 from exogauge.jobs.supervisor import leave_with_parent
@@ -22,6 +23,7 @@ from exogauge.storage.store import open_installation
 log = logging.getLogger(__name__)
 
 LEASE_S = 10.0
+SETTLED_S = 5.0  # judgement: files of an installation that is being replaced are left alone for so long at its end
 LOOKED_EVERY_S = 0.5  # for a worker that leaves when there is nothing to do
 
 
@@ -29,28 +31,41 @@ def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.
     """Run jobs until SIGTERM or SIGINT, until the parent is gone (`with_parent`: its end of stdin closes), or until
     there was nothing to do for `idle_s`.
 
-    The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
+    The process then ends at once: what it was computing goes back into the queue, without counting as an attempt. Where
+    the program's own files were replaced it begins anew by them, in the same process, before it takes another job.
     """
+    environment = dict(os.environ)
     migrate.at_newest_or_raise(migrate.current(settings.database_url))
     installation = open_installation(settings)
     worker_id = new_worker_id()
     folder = settings.work / worker_id
     log.info("worker %s computes by %s", worker_id, code_version())  # as it is now, whatever is installed later
     lease = Lease(installation.engine, worker_id, lease_s)
-    runner = Runner(installation, worker_id, folder)
+    leaving, new_code = threading.Event(), threading.Event()
+
+    def begin_anew() -> None:
+        log.warning("worker %s: the files of exogauge have changed; it begins anew by them", worker_id)
+        new_code.set()
+        leaving.set()
+
+    runner = Runner(installation, worker_id, folder, begin_anew)
     reaper = Reaper(installation.engine, JobQueue(installation.engine), lease_s, folder.parent)
-    leaving = threading.Event()
+    told = threading.Event()
 
     def lost() -> None:
         log.error("worker %s was declared dead; it ends without writing anything", worker_id)
         os._exit(3)
 
-    signal.signal(signal.SIGTERM, lambda *_: leaving.set())
+    def leave() -> None:
+        told.set()
+        leaving.set()
+
+    signal.signal(signal.SIGTERM, lambda *_: leave())
     if not with_parent:
-        signal.signal(signal.SIGINT, lambda *_: leaving.set())
+        signal.signal(signal.SIGINT, lambda *_: leave())
     else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent decides
-        leave_with_parent(leaving.set)
+        leave_with_parent(leave)
     lease.take()
     runner.temporary.mkdir(parents=True, exist_ok=True)
     os.environ["TMPDIR"] = tempfile.tempdir = str(runner.temporary)  # also of what computes: swept with the worker
@@ -66,5 +81,19 @@ def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.
     try:
         runner.leave()
         lease.give_back()
+        if new_code.is_set() and settled(told):
+            logging.shutdown()
+            os.execve(sys.executable, [sys.executable, *sys.orig_argv[1:]], environment)
     finally:
         os._exit(0)  # threads of the engine may still wait for a computation that is gone
+
+
+def settled(told: threading.Event) -> bool:
+    """Wait until the program's files stay as they are; False where the worker was told to leave meanwhile."""
+    before = hashed()
+    while not told.wait(SETTLED_S):
+        now = hashed()
+        if now == before:
+            return True
+        before = now
+    return False

@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from exogauge.criteria.motion_excite import USUAL as EXCITE
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion import played
 from exogauge.motion.channels import add_judged, of_fit, of_retargeted
 from exogauge.motion.contract import PlanFile
-from exogauge.motion.excite.plan import ExcitationPlan, motion_table, plan_excitation
+from exogauge.motion.excite.plan import SEARCH, ExcitationPlan, motion_table, plan_excitation
 from exogauge.motion.figure import figure_of, write_figure
 from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.fit.told import angle_table, summarise
@@ -45,7 +46,7 @@ FIT, PLAN, PLAN_YAML, MOTION, FIGURE, PLAYED = (
 )  # fmt: skip
 SERIES = "series/motion.parquet"
 EXCITED_HZ = 200.0  # at which a motion that excites is written
-SLOWLY = 8.0, 200.0  # rounds, motions after which a search is two thirds told; nobody knows how many it takes
+SLOWLY = 8.0  # rounds after which a search is two thirds told; nobody knows how many it takes
 
 
 def fit(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
@@ -61,7 +62,7 @@ def fit(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]
               for label, rms in zip(found.labels, found.residual, strict=True)]  # fmt: skip
     document = {"version": 1, "name": capture.name, "told": summarise(found), "rms_m": found.rms, "scales": scales,
                 "points": points}  # fmt: skip
-    _write(out / FIT, document)
+    write_document(out / FIT, document)
     (out / "angles.mot").write_bytes(angle_table(found))
     write_series(of_fit(found), out)
     write_figure(figure_of(capture.motion, found), out / FIGURE)
@@ -80,7 +81,7 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
     person = person_of(capture.motion) if fitted is None else person_of_fit(fitted, capture.motion.contacts)
 
     def tell(now: Round) -> None:
-        done = (now.part + 1.0 - math.exp(-now.number / SLOWLY[0])) / now.parts
+        done = (now.part + 1.0 - math.exp(-now.number / SLOWLY)) / now.parts
         progress(0.1 + 0.8 * done, f"planning: stretch {now.part + 1} of {now.parts}, round {now.number}")
 
     def tried(what: str, value: float, holds: bool) -> None:
@@ -88,11 +89,11 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
 
     found = retargeted(robot, person, file.retarget, tell, tried)
     progress(0.95, "writing")
-    _write(out / PLAN, retarget_document(found))
+    write_document(out / PLAN, retarget_document(found))
     files = {f"motion{end}": data for end, data in exported(robot, found.planned.spline, found.judged, "csv").items()}
     for name, data in files.items():
         (out / name).write_bytes(data)
-    _write(out / "motion.json", sheet(robot, found.judged, "csv", files, _sources(folder)))
+    write_document(out / "motion.json", sheet(robot, found.judged, "csv", files, _sources(folder)))
     write_series(of_retargeted(found), out)
     write_figure(figure_of(capture.motion, fitted), out / FIGURE)
     played.of_retargeted(found, file.retarget).write(out / PLAYED)
@@ -105,21 +106,30 @@ def excite(folder: Path, out: Path, progress: Progress, settings: Mapping[str, A
     assert file.excite is not None
     study = folder / "study" / "study.yaml"
 
+    most = EXCITE.steps * len(EXCITE.costs)
+
     def tell(start: int, count: int, cost: float, largest: float) -> None:
-        share = 0.05 + 0.7 * (1.0 - math.exp(-(count + 100 * start) / SLOWLY[1]))
-        progress(share, f"search {start}, motion {count}: nearest bound {100 * largest:.0f} %")
+        done = (start - 1 + min(count / most, 1.0)) / EXCITE.starts
+        progress(SEARCH[0] + done * (SEARCH[1] - SEARCH[0]),
+                 f"search {start}, motion {count} of {most}: nearest bound {100 * largest:.0f} %")  # fmt: skip
 
     found = plan_excitation(
         folder / "robot" / "robot.yaml", file.excite.seconds, study=study if study.is_file() else None,
-        seed=file.excite.seed, report=tell, say=lambda words: progress(0.8, words),
+        seed=file.excite.seed, report=tell, say=progress,
     )  # fmt: skip
     progress(0.95, "writing")
-    judged, acceleration = judged_excitation(found)
-    _write(out / PLAN, excite_document(found, judged, acceleration))
+    document, judged, acceleration = excitation_document(found)
+    write_document(out / PLAN, document)
     (out / MOTION).write_bytes(motion_table(found, EXCITED_HZ))
     columns = add_judged(Columns(judged.time), found.robot, judged, acceleration)
     write_series(columns.table({"log": "motion", "version": "1"}), out)
     played.of_judged(found.robot, judged, acceleration).write(out / PLAYED)
+
+
+def excitation_document(found: ExcitationPlan) -> tuple[dict[str, Any], Judged, Any]:
+    """plan.json, whoever asked; with what it was judged by, as `judged_excitation`."""
+    judged, acceleration = judged_excitation(found)
+    return excite_document(found, judged, acceleration), judged, acceleration
 
 
 def judged_excitation(found: ExcitationPlan) -> tuple[Judged, Any]:
@@ -171,5 +181,6 @@ def _sources(folder: Path) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in [folder / PLAN_YAML, *paths]}
 
 
-def _write(path: Path, document: Mapping[str, Any]) -> None:
+def write_document(path: Path, document: Mapping[str, Any]) -> None:
+    """JSON, as plan.json, fit.json and motion.json are written."""
     path.write_text(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")

@@ -44,18 +44,20 @@ def retarget_document(found: Retargeted) -> dict[str, Any]:
         "missed": {"rms": float(np.sqrt(np.mean(found.missed**2))), "most": float(found.missed.max())},
         "margins": margins(robot, judged, found.planned.spline.at(judged.time)[2]), "broken": list(judged.broken),
         "would_do": None if could is None else {"slower": could.slower, "share": could.share}, "told": told,
-        "parameters": [],
+        "parameters": [], "counts": [],
     }  # fmt: skip
 
 
 def excite_document(found: ExcitationPlan, judged: Judged, acceleration: Array) -> dict[str, Any]:
-    """`parameters`: each with the standard deviation before and after. acceleration: (T, n) at the judged times."""
+    """`parameters`: each with the standard deviation before and after; `counts`: how many of them are decided.
+    acceleration: (T, n) at the judged times."""
     told: Mapping[str, Any] = tell_excitation(found)
     return {
         "version": VERSION, "kind": "excite", "robot": found.robot.name, "motion": None,
         "seconds": float(found.planned.duration), "rate_hz": rate_of(judged), "rounds": None, "trunk": [],
         "missed": None, "margins": margins(found.robot, judged, acceleration), "broken": list(told.get("broken", [])),
         "would_do": None, "told": told, "parameters": [asdict(each) for each in found.promise.certain],
+        "counts": [asdict(each) for each in found.promise.counts],
     }  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
+OTHER_CLOCK = "effort_clock"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
     "position_reversed": (
@@ -106,7 +107,8 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
     advice = "shift the column where logs are made, or name `torque_delay` among the effects"
     if delay.log:
         advice = "is it of another clock? In this log's mapping name the file twice, for efforts with a `delay_s`"
-    if delay.seconds < 0.0 and not delay.log:
+        return Finding("warning", names[0], OTHER_CLOCK, detail, advice, value=delay.seconds)
+    if delay.seconds < 0.0:
         advice += "; is it the commanded torque, not the measured one?"
     return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
 

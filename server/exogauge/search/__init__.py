@@ -3,7 +3,7 @@
 - `state`: what it has come to
 - `candidates`, `site_rows`, `baseline`, `sums`, `partial`: what is tried, beside what
 - `score`, `refine`, `locate`: how much each gains, with which shape, where
-- `judge`, `creeping`: what held-out logs and other causes say of the best
+- `judge`, `noise_taken`, `creeping`: what held-out logs, the sensors' noise and other causes say of the best
 - `search`: add, identify again, take back
 - `afterwards`, `residual_correction`, `final_numbers`, `doubt`: shapes once more, curves, numbers beside all else
 - `declared`: what is left, and declared doubts of the measurement explain

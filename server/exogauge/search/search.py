@@ -10,6 +10,7 @@ the earlier ones is taken out once more, and whatever explains most beside the o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol, runtime_checkable
@@ -30,6 +31,7 @@ from exogauge.search.doubt import Named, gone, not_worth
 from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection
 from exogauge.search.judge import Judgement, judge, not_named
 from exogauge.search.locate import channels, pooled
+from exogauge.search.noise_taken import noise_taken
 from exogauge.search.refine import closely, closest, refined
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
@@ -78,6 +80,10 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
         winner = _weighed(search, with_closest_shape(ground, first, rows))
         judged = [winner if each is first else each for each in judged]
         candidate = winner.score.candidate
+        noise = _noise_alone(search, ground, winner, rows[candidate.site])
+        if noise:
+            search = search.having_failed(candidate.key, rejection(ground.model, winner, noise))
+            continue
         problem.tell(0.0, Doing.ADDING_EFFECT, candidate.effect.name)
         added = as_added(candidate)
         found = search.identified([*search.added, added])
@@ -145,6 +151,22 @@ def _not_worth(search: Search, judged: Judgement, kind: int, size: float) -> Obj
         if each.added.site == candidate.site and len(everywhere) < criteria.common
     ]
     return not_worth(size, _floor(search, kind), named, criteria)
+
+
+def _noise_alone(search: Search, ground: Ground, winner: Judgement, rows: Sequence[SiteRows]) -> Objection | None:
+    """Where an effect that smooths noise takes that off the error, and nothing that is worth a name beside it."""
+    if winner.score.elsewhere:
+        return None
+    fell, most = winner.before**2 - winner.after**2, _floor(search, winner.kind) ** 2
+
+    def too_little(square: float) -> bool:
+        little = square < search.problem.settings.criteria.judging.least * winner.before**2
+        return little or _not_worth(search, winner, winner.kind, math.sqrt(max(square, 0.0))) is not None
+
+    if not too_little(fell - most):
+        return None
+    taken = noise_taken(ground.model, winner, rows, search.problem.recordings)
+    return Objection(Why.NOISE_ALONE, taken / max(fell, 1e-300)) if too_little(fell - taken) else None
 
 
 def _is_seen(ground: Ground, kind: int, judged: Judgement) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
+from exogauge.identification.preparation import Prepared
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import seen_by
 from exogauge.logs.filtering import LowPass, low_passed_at
+from exogauge.logs.model import Log
 from exogauge.search.sums import KindSums
 from exogauge.side_by_side import each as side_by_side
 
@@ -66,18 +68,23 @@ class SiteRows:
 
 
 def collect_rows(
-    model: RobotModel, recordings: Sequence[Recording], sites: Sequence[Site], eyes: RobotModel | None = None
+    model: RobotModel,
+    recordings: Sequence[Recording],
+    sites: Sequence[Site],
+    eyes: RobotModel | None = None,
+    prepared: Callable[[Log], Prepared] | None = None,
 ) -> Mapping[Site, tuple[SiteRows, ...]]:
     """Site -> its rows in every log that has any. Sites share the rows that they have in common. eyes: the model whose
-    loads its effects see, if it is not the same."""
+    loads its effects see, if it is not the same. prepared: other signals of a log than the model's own."""
     found: dict[Site, list[SiteRows]] = {site: [] for site in sites}
     if not sites:
         return {}
     equations, x = model.equations, model.solution.unbounded.x
+    ready = prepared or model.prepare
     needed = {kind for site in sites for kind in site.kinds(model.equations)}
 
     def of_log(recording: Recording) -> list[tuple[Site, SiteRows]]:
-        prepared = model.prepare(recording.log)
+        prepared = ready(recording.log)
         parts: dict[int, list[tuple[IntArray, Array, Array]]] = {}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:

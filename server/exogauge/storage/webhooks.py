@@ -29,7 +29,6 @@ MOST = 20  # addresses of a lab
 AGAIN = tuple(  # after the first try, the second …: about three days, as Standard Webhooks recommends
     timedelta(seconds=each) for each in (5, 300, 1800, 7200, 18000, 36000, 50400, 72000, 86400)
 )
-KEPT = timedelta(days=30)  # that a delivery is told, once it has ended
 HELD = timedelta(minutes=2)  # for which one that is being sent is not sent by another
 QUIET = {"synchronize_session": False}
 
@@ -169,11 +168,6 @@ def disable(session: Session, due: Due, because: str) -> None:
         record(session, due.lab_id, "postman", "disable", "webhook", due.webhook_id, said=because[:500])
     waiting = Delivery.webhook_id == due.webhook_id, Delivery.state == "waiting"
     changed(session, sa.update(Delivery).where(*waiting).values(state="failed", ended_at=now, said="disabled"))
-
-
-def forget_old(session: Session) -> int:
-    old = Delivery.ended_at <= database_now(session) - KEPT
-    return int(session.execute(sa.delete(Delivery).where(old), execution_options=QUIET).rowcount)  # type: ignore[attr-defined]
 
 
 def changed(session: Session, statement: sa.Update) -> bool:

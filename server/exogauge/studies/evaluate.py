@@ -49,6 +49,7 @@ from exogauge.studies.results.discrepancy_results import (
 from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import examine_logs
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
+from exogauge.studies.results.other_clocks import without_other_clocks
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
@@ -113,10 +114,13 @@ def _evaluate(
         doing = {step.step for step in steps if step.skipped is None}
         reading(0.02, Doing.READING_LOGS)
         logs = admit(study, worn="support" in doing, progress=reading)
-        recordings, worn, plain = logs.recordings, logs.worn, logs.plain
+        worn = logs.worn
         reading(0.10, Doing.EXAMINING_LOGS)
-        findings = examine_logs(study.robot, recordings, worn, study.settings.criteria)
-        plans = _plans_of(study, [*(each.log for each in recordings), *(each.log for each in worn)])
+        findings = examine_logs(study.robot, logs.recordings, worn, study.settings.criteria)
+        plans = _plans_of(study, [*(each.log for each in logs.recordings), *(each.log for each in worn)])
+        compared = frozenset(name for name, each in study.motions.items() if each.role == "without_device")
+        recordings, left_out = without_other_clocks(logs.recordings, findings, compared)
+        plain = logs.as_plain(recordings)
         spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
             found = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
@@ -125,7 +129,7 @@ def _evaluate(
         if "discrepancy" not in doing:  # where it is done, what has no name yet looks like a wrong number
             found = let_go(found, recordings, study.settings)
         doubts, bare = refuse_what_made_it_worse(found, recordings, findings), found.model
-        doubts = [*told_of_errors(study.robot, findings), *doubts]
+        doubts = [*told_of_errors(study.robot, findings), *left_out, *doubts]
         give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None

@@ -18,6 +18,7 @@ from exogauge.settings import Settings
 from exogauge.storage import chores
 from exogauge.storage.checking import check
 from exogauge.storage.closing import due_labs, remove_lab
+from exogauge.storage.retention import Ages, retire
 from exogauge.storage.store import Installation
 from exogauge.storage.sweeping import sweep_installation, sweep_machine
 
@@ -27,7 +28,7 @@ AGAIN = timedelta(minutes=5)  # after one that failed
 FIRST_S = 15.0  # after the start: requests come first
 LOOK_EVERY_S = 60.0  # whether a chore is due
 SCRUBBED = 2  # of 256 parts of the blobs are read and hashed in an hour: all of them in five days
-SWEEP, CHECK, CLOSED = "sweep", "check", "closed labs"
+SWEEP, CHECK, CLOSED, AGED = "sweep", "check", "closed labs", "what is old"
 
 
 class LostTheChore(ExogaugeError):
@@ -57,7 +58,13 @@ class Housekeeping:
         while not self._stopping.is_set():
             if time.monotonic() >= machine_due:
                 machine_due = time.monotonic() + (EVERY if self._tried(self._sweep_here) else AGAIN).total_seconds()
-            for name, work in ((CLOSED, self._remove_closed), (SWEEP, self._sweep), (CHECK, self._check)):
+            chores_of_all = (
+                (CLOSED, self._remove_closed),
+                (AGED, self._retire),
+                (SWEEP, self._sweep),
+                (CHECK, self._check),
+            )
+            for name, work in chores_of_all:
                 self._tried(partial(self._chore, name, work))
             self._stopping.wait(LOOK_EVERY_S)
 
@@ -94,6 +101,9 @@ class Housekeeping:
 
     def _sweep(self) -> dict[str, Any]:
         return asdict(sweep_installation(self._installation, still=partial(self._still, SWEEP)))
+
+    def _retire(self) -> dict[str, Any]:
+        return retire(self._installation, Ages.of(self._settings), partial(self._still, AGED)).as_json()
 
     def _remove_closed(self) -> dict[str, Any]:
         """Each lab in a transaction of its own; its blobs go with a later sweep."""

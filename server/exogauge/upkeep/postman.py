@@ -30,7 +30,6 @@ LOOK_EVERY_S = 2.0  # whether something is to be sent
 AT_ONCE = 4  # judgement: addresses asked side by side; one that is slow holds up a quarter
 BATCH = 16  # deliveries taken in one transaction, four for each that is asked
 GONE = 410  # by which an address says that it wants no more
-FORGET_EVERY_S = 3600.0  # whether deliveries are old enough to go: as often as all that is swept
 
 
 @final
@@ -43,7 +42,6 @@ class Postman:
         self._holder = f"{socket.gethostname()[:150]}-{getpid()}-{uuid.uuid4().hex[:8]}"
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="postman", daemon=True)
-        self._forget_at = 0.0
 
     def start(self) -> None:
         self._thread.start()
@@ -74,7 +72,6 @@ class Postman:
                 due = webhooks.take_due(session, BATCH)
             with ThreadPoolExecutor(AT_ONCE) as several:
                 list(several.map(self._send, due))
-            self._forget()
             return len(due)
         finally:
             with self._installation.session() as session:
@@ -96,12 +93,6 @@ class Postman:
                 said = said or f"it answered {status}"
                 jitter = random.uniform(0.9, 1.1)  # so that not all come at once to what was away
                 webhooks.not_delivered(session, due, status, said, jitter, status == GONE)
-
-    def _forget(self) -> None:
-        if time.monotonic() >= self._forget_at:
-            self._forget_at = time.monotonic() + FORGET_EVERY_S
-            with self._installation.session() as session:
-                webhooks.forget_old(session)
 
 
 def headers_of(due: Due, body: bytes, now: int) -> dict[str, str]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
@@ -16,7 +15,7 @@ from exogauge.errors import BadMotion, Fault
 from exogauge.experiment.envelope import within
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
-from exogauge.motion.excite.promise import Promise, promised
+from exogauge.motion.excite.promise import COUNTED, Promise, promised
 from exogauge.motion.excite.search import Report, best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
@@ -30,6 +29,8 @@ Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
+SEARCH = 0.05, 0.8  # shares of the whole: where the search begins, and where it ends
+Progress = Callable[[float, str], None]
 
 
 @final
@@ -49,9 +50,10 @@ class ExcitationPlan:
 
 def plan_excitation(
     path: Path, seconds: float, *, study: Path | None = None, result: Path | None = None, seed: int = 0,
-    criteria: MotionExcite = USUAL, report: Report | None = None, say: Callable[[str], None] = lambda words: None,
+    criteria: MotionExcite = USUAL, report: Report | None = None, say: Progress = lambda share, words: None,
 ) -> ExcitationPlan:  # fmt: skip
-    """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already.
+    """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already. say: told what is
+    done beside the search, and the share of the whole that lies before it; the search takes those of `SEARCH`.
 
     Raises BadInput; NotIdentifiable where no motion is within the bounds.
     """
@@ -63,21 +65,21 @@ def plan_excitation(
     task = task_of(robot, moving, seconds, criteria)
     known: Known | None = None
     if study is not None:
-        say("identifying from the study's logs")
+        say(0.01, "identifying from the study's logs")
         known = of_study(robot, study)
     elif result is not None:
         known = of_result(task.information.equations, result)
     if known is not None:
         task = task_of(robot, moving, seconds, criteria, known.information)
     x = best_motion(task, np.random.default_rng(seed), report)
-    say("every bound from rest to rest")
+    say(SEARCH[1], "every bound from rest to rest")
     for _ in range(criteria.shrinks):
         planned = Excited(task, x)
         nearest, judged = planned.largest(), _judged(planned)
         if nearest[0] <= 1.0 and not judged:
             break
         x = within(task, task.still + criteria.smaller * (x - task.still))  # the way there and back has bounds too
-    say("what will be known")
+    say(0.9, "what will be known")
     promise = promised(robot, [planned], known.logs if known else (), known.before if known else None)
     return ExcitationPlan(moving, planned, nearest, judged, promise)
 
@@ -98,19 +100,9 @@ def motion_table(plan: ExcitationPlan, rate_hz: float) -> bytes:
     return csv_table(("t", *(f"q.{name}" for name in robot.joints)), rows)
 
 
-def promise_file(plan: ExcitationPlan) -> bytes:
-    """JSON: every parameter with the standard deviation that it will have and has now."""
-    rows = [asdict(each) for each in plan.promise.certain]
-    return json.dumps({"parameters": rows}, indent=1).encode() + b"\n"
-
-
 def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
     """In a few lines."""
     begins, ends = plan.planned.edges[1:3]
-    ends_of = {f"[{joint}]" for joint in plan.robot.joints}
-    certain = [each for each in plan.promise.certain if each.before > 0.0]
-    base = [each for each in certain if each.name.startswith("base[")]
-    joints = [each for each in certain if any(each.name.endswith(end) for end in ends_of)]
     share, name = plan.nearest
     said: dict[str, str | float | list[str]] = {
         "robot": plan.robot.name,
@@ -119,11 +111,10 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
         "nearest bound": f"{100 * share:.1f} % of {name}, at {plan.planned.task.criteria.check_hz:g} Hz",
         "identified up to": f"{plan.promise.cutoff_hz:.1f} Hz",
     }
-    for what, which in (("base parameters", base), ("joint parameters", joints)):
-        left = float(np.median([each.std / each.before for each in which])) if which else 1.0
-        said[what] = (f"{sum(each.decided for each in which)} of {len(which)} will be decided; median "
-                      f"{100 * left:.2g} % of the doubt before is left")  # fmt: skip
-    said["undecided"] = [each.name for each in (*base, *joints) if not each.decided]
+    for count in plan.promise.counts:
+        said[f"{count.kind} parameters"] = (f"{count.decided} of {count.of} will be decided; median "
+                                            f"{100 * count.left:.2g} % of the doubt before is left")  # fmt: skip
+    said["undecided"] = [each.name for kind in COUNTED for each in plan.promise.open(kind) if not each.decided]
     if plan.robot.shapeless or not plan.robot.shapes:
         said["not looked at"] = ("collisions of " + ", ".join(plan.robot.shapeless) + ": their meshes are not there"
                                  if plan.robot.shapeless else "collisions: no link has a shape")  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,16 +28,37 @@ NAME = "planned"
 AS_STATED = Settings(prior_strength=1.0)  # of a robot that is as it is stated, held-out data would have it weigh more
 
 
+Kind = Literal["base", "joint", "link", "added"]
+COUNTED: tuple[Kind, ...] = ("base", "joint")
+
+
 @final
 @dataclass(frozen=True)
 class Certain:
-    """One parameter: its standard deviation before a motion was recorded, and then. decided: by the data."""
+    """One parameter: its standard deviation before a motion was recorded, and then. decided: by the data.
+
+    kind: a base parameter, a coefficient of a joint, one of a link's ten, which motion shows in combinations alone, or
+    what a log adds (zeros of sensors).
+    """
 
     name: str
     unit: str
     before: float
     std: float
     decided: bool
+    kind: Kind
+
+
+@final
+@dataclass(frozen=True)
+class Count:
+    """How many of the parameters of a kind, of which something was left to know, the data decide. left: median share
+    of the doubt before."""
+
+    kind: Kind
+    decided: int
+    of: int
+    left: float
 
 
 @final
@@ -47,6 +68,20 @@ class Promise:
 
     certain: tuple[Certain, ...]
     cutoff_hz: float
+
+    def open(self, kind: Kind) -> tuple[Certain, ...]:
+        """Of which something was left to know."""
+        return tuple(each for each in self.certain if each.kind == kind and each.before > 0.0)
+
+    @property
+    def counts(self) -> tuple[Count, ...]:
+        """Of base and joint parameters. Those of links say the same once more: base parameters are made of them."""
+        found = []
+        for kind in COUNTED:
+            of = self.open(kind)
+            left = float(np.median([each.std / each.before for each in of])) if of else 1.0
+            found.append(Count(kind, sum(each.decided for each in of), len(of), left))
+        return tuple(found)
 
 
 def promised(
@@ -62,12 +97,25 @@ def promised(
     ]
     found = identify(robot, [Recording(log, False) for log in (*logs, *made)], settings, progress)
     decided = found.model.criteria.identifying.decided
+    kinds = _kinds(found)
     certain = []
-    for each, white in zip(found.parameters, white_std(found).tolist(), strict=True):
+    for each, white, kind in zip(found.parameters, white_std(found).tolist(), kinds, strict=True):
         std = min(max(each.std, white), each.prior_std)
         known = each.prior_std if before is None else before.get(each.name, each.prior_std)
-        certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
+        sure = each.identifiable and std <= decided * each.prior_std
+        certain.append(Certain(each.name, each.unit, known, std, sure, kind))
     return Promise(tuple(certain), found.cutoff_hz)
+
+
+def _kinds(found: Identification) -> tuple[Kind, ...]:
+    """(parameters,) by place, as `identification.parameters` lists them: a link may be called as a joint is."""
+    equations = found.model.equations
+    links, joints = equations.robot.tree.phi.size, len(equations.robot.joints) * len(equations.effects)
+    base = len(equations.base.columns)
+    sizes: tuple[tuple[Kind, int], ...] = (
+        ("link", links), ("joint", joints), ("added", len(found.parameters) - links - joints - base), ("base", base)
+    )  # fmt: skip
+    return tuple(kind for kind, size in sizes for _ in range(size))
 
 
 def white_std(found: Identification) -> Array:

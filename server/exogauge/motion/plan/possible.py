@@ -32,8 +32,7 @@ def what_would_do(
 ) -> Possible:
     """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
     what was planned, and whether it holds. Each begins at home, at rest: what is lacking there, none can have."""
-    rest = at_home(robot, criteria)
-    if rest.hopeless or rest.excess > criteria.over:
+    if at_home(robot, criteria).lacks:
         return Possible(None, None)
 
     def holds(what: str, value: float, changed: Person) -> bool:

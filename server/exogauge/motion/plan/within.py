@@ -21,10 +21,11 @@ def plan_within(
 ) -> tuple[Planned, Judged]:  # fmt: skip
     """Planned and judged at `rate` [Hz]. Of two plans that both break a bound, the one that breaks fewer.
 
-    Where the robot cannot even stand at home nothing is planned, and what is asked is judged. stop: as of `plan`.
+    Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
+    first, and what is asked is judged. stop: as of `plan`.
     """
     rest = at_home(robot, criteria)
-    if rest.hopeless:
+    if rest.lacks:
         return _as_asked(robot, asked, criteria, rate, rest)
     planned = plan(robot, asked, criteria, report, stop)
     judged = _judged(robot, asked, planned, criteria, rate)
@@ -56,7 +57,7 @@ def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: Motion
 
 
 def _with_reasons(planned: Planned, judged: Judged, rest: AtRest) -> Judged:
-    """Where something is broken: what home itself lacks, in which stretches no plan was found."""
+    """Where something is broken: what home itself hardly bears, in which stretches no plan was found."""
     if not judged.broken:
         return judged
     home = [str(rest)] if rest.excess > 0.0 and rest.needs > rest.bears else []

@@ -26,7 +26,7 @@ SOURCES: dict[str, tuple[str, str]] = {
     ),
     "noise_colour": (
         "noise that grows towards low frequencies, where only motion is seen",
-        "Log what drives and sensors read without filters of their own.",
+        "Log what drives and sensors read without filters of their own, and at a higher rate.",
     ),
     "imu_tilt": ("mounting of the IMU", "Level the base against a spirit level, and state it as imu_tilt."),
     "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),

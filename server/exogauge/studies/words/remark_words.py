@@ -108,6 +108,11 @@ FORMS: Mapping[About, Form] = {
     About.WORSE_HELD_OUT: Form(
         "Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
     ),
+    About.LOGS_LEFT_OUT: Form(
+        "In {names} efforts and positions are of clocks that began apart: nothing is fitted to, or judged by, these "
+        "logs. State that delay in their mapping to have them back.",
+        each="{name} ({0:+.2f} s)",
+    ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."
     ),

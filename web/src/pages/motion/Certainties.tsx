@@ -8,17 +8,19 @@ import { number, WideTable } from "../../parts/WideTable";
 /** How well each parameter will be known once the motion was recorded. */
 export function Certainties({ found }: { found: Found }) {
   const [all, showAll] = useState(false);
+  const counts = found.counts ?? []; // plans of earlier versions have none
   const open = found.parameters.filter(({ before }) => before > 0);
-  const decided = open.filter((each) => each.decided);
-  const shown = all ? open : open.filter(({ name }) => !LINKS.test(name));
+  const shown = all ? open : open.filter(({ kind }) => kind !== "link");
   return (
     <section aria-labelledby="certain">
       <Title order={2} size="h3" id="certain" mb="xs">
         How well each parameter will be known
       </Title>
-      <Text size="sm" mb="xs">
-        {decided.length} of {open.length} will be decided by the data.
-      </Text>
+      {counts.length > 0 && (
+        <Text size="sm" mb="xs">
+          {counts.map(countWords).join(" and ")} will be decided by the data.
+        </Text>
+      )}
       <Switch size="sm" mb="xs" label="Links one by one, too" checked={all} onChange={(event) => showAll(event.currentTarget.checked)} />
       <WideTable
         label="Predicted standard deviations"
@@ -40,4 +42,6 @@ export function Certainties({ found }: { found: Found }) {
   );
 }
 
-const LINKS = /^(m|m[xyz]|I[xyz]{2})\[/;
+function countWords({ kind, decided, of, left }: NonNullable<Found["counts"]>[number]) {
+  return `${decided} of ${of} ${kind} parameters (median ${percent(left, 1)} of the doubt before is left)`;
+}

@@ -1,0 +1,162 @@
+"""What goes because it is old, where who runs the installation has said so. Results and what they came of stay, unless
+their lab is named with an age; what is published stays whatever its age.
+
+What is removed for good is found in a session of all labs, and removed in one of its lab, whose audit tells it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import datetime, timedelta
+from typing import Any, final
+
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge.errors import Conflict, NotFound
+from exogauge.settings import Settings
+from exogauge.storage.database import database_now
+from exogauge.storage.orphans import batches
+from exogauge.storage.rows import record
+from exogauge.storage.store import Installation
+from exogauge.storage.tables import Delivery, IdempotencyKey, Job, Log, PayloadFile, Publication, Study, StudyFile
+
+ACTOR = "housekeeping"
+ENDED = ("succeeded", "failed", "cancelled")
+AT_ONCE = 500  # rows in one transaction
+MOST = 20_000  # rows of a table in one go; the next hour's goes on
+QUIET = {"synchronize_session": False}
+Which = sa.ColumnElement[bool]
+
+
+@final
+@dataclass(frozen=True)
+class Ages:
+    """After which what goes; None: never. studies: by lab."""
+
+    unused_logs: timedelta | None = None
+    job_logs: timedelta | None = None
+    deliveries: timedelta | None = None
+    studies: Mapping[str, timedelta] = field(default_factory=dict)
+
+    @staticmethod
+    def of(settings: Settings) -> Ages:
+        def days(said: float) -> timedelta | None:
+            return timedelta(days=said) if said else None
+
+        studies = {lab: timedelta(days=said) for lab, said in settings.studies_kept_days.items()}
+        return Ages(
+            unused_logs=days(settings.unused_logs_kept_days),
+            job_logs=days(settings.job_logs_kept_days),
+            deliveries=days(settings.deliveries_kept_days),
+            studies=studies,
+        )
+
+
+@final
+@dataclass(frozen=True)
+class Retired:
+    """logs: handed in and never used. job_logs: jobs whose log and steps went. deliveries: of webhooks. keys: of
+    repeated requests. studies: with their jobs and results; studies_needed: old enough, but something needs them."""
+
+    logs: int = 0
+    job_logs: int = 0
+    deliveries: int = 0
+    keys: int = 0
+    studies: int = 0
+    studies_needed: int = 0
+
+    def as_json(self) -> dict[str, int]:
+        return asdict(self)
+
+
+def nothing_more() -> None:
+    pass
+
+
+def retire(
+    installation: Installation, ages: Ages, still: Callable[[], None] = nothing_more, *, dry: bool = False
+) -> Retired:
+    """dry: say what would go, and change nothing. still: called now and then; raises to stop."""
+    with installation.reading() as session:
+        now = database_now(session)
+        due = {table: rows_of(session, table, which) for table, which in which_is_due(ages, now).items()}
+        studies = [key for lab, age in ages.studies.items() for key in old_studies(session, lab, now - age)]
+    if dry:
+        logs, jobs, deliveries, keys = (len(due.get(table, ())) for table in (Log, Job, Delivery, IdempotencyKey))
+        return Retired(logs, jobs, deliveries, keys, len(studies))
+    still()
+    logs = sum(1 for lab, key in due.get(Log, ()) if deleted(installation, "logs", lab, key, still))
+    jobs = sum(forget_logs(installation, some) for some in pieces(due.get(Job, ()), still))
+    deliveries, keys = (
+        sum(remove(installation, table, [key for _, key in some]) for some in pieces(due.get(table, ()), still))
+        for table in (Delivery, IdempotencyKey)
+    )
+    gone = sum(1 for lab, key in studies if deleted(installation, "studies", lab, key, still))
+    return Retired(logs, jobs, deliveries, keys, gone, len(studies) - gone)
+
+
+def which_is_due(ages: Ages, now: datetime) -> dict[Any, Which]:
+    found: dict[Any, Which] = {IdempotencyKey: IdempotencyKey.expires_at <= now}
+    if ages.unused_logs is not None:
+        used = (
+            sa.exists().where(file.lab_id == Log.lab_id, file.sha256 == Log.sha256) for file in (StudyFile, PayloadFile)
+        )
+        found[Log] = sa.and_(Log.created_at <= now - ages.unused_logs, *(~each for each in used))
+    if ages.job_logs is not None:
+        old = Job.finished_at <= now - ages.job_logs
+        found[Job] = sa.and_(Job.state.in_(ENDED), old, sa.or_(Job.log != "", Job.steps.is_not(None)))
+    if ages.deliveries is not None:
+        found[Delivery] = Delivery.ended_at <= now - ages.deliveries
+    return found
+
+
+def rows_of(session: Session, table: Any, which: Which) -> list[tuple[str, str]]:
+    """Lab and id, of one lab after the other, the oldest first."""
+    query = sa.select(table.lab_id, table.id).where(which).order_by(table.lab_id, table.created_at).limit(MOST)
+    return [(lab, key) for lab, key in session.execute(query)]
+
+
+def old_studies(session: Session, lab: str, before: datetime) -> list[tuple[str, str]]:
+    """Handed in, and worked with the last time, before then; not those of which something is published."""
+    later = sa.or_(Job.finished_at.is_(None), Job.finished_at > before)
+    busy = sa.exists().where(Job.lab_id == Study.lab_id, Job.study_id == Study.id, later)
+    published = sa.exists().where(Publication.study_id == Study.id, Publication.revoked_at.is_(None))
+    return rows_of(session, Study, sa.and_(Study.lab_id == lab, Study.created_at <= before, ~busy, ~published))
+
+
+def pieces(due: Any, still: Callable[[], None]) -> Iterator[list[tuple[str, str]]]:
+    for some in batches(due, AT_ONCE):
+        still()
+        yield some
+
+
+def deleted(installation: Installation, what: str, lab: str, key: str, still: Callable[[], None]) -> bool:
+    """As whoever is of the lab would: False where something needs it, or it is gone already."""
+    still()
+    try:
+        with installation.of_lab(lab, ACTOR).transaction() as store:
+            getattr(store, what).delete(key)
+    except (Conflict, NotFound):
+        return False
+    return True
+
+
+def forget_logs(installation: Installation, due: list[tuple[str, str]]) -> int:
+    """Their words and steps; how they ended, and of what, stays. Listeners are told nothing: revisions stay as well."""
+    nothing = {"log": "", "steps": None, "revision": Job.revision}
+    with installation.session() as session:
+        keys = [key for _, key in due]
+        mine = sa.update(Job).where(Job.id.in_(keys), Job.state.in_(ENDED)).values(**nothing)
+        count = session.execute(mine, execution_options=QUIET).rowcount  # type: ignore[attr-defined]
+        for lab in dict.fromkeys(lab for lab, _ in due):
+            said = f"logs of {sum(1 for each, _ in due if each == lab)} ended jobs"
+            record(session, lab, ACTOR, "forget", "lab", lab[:36], said=said)
+    return int(count)
+
+
+def remove(installation: Installation, table: Any, keys: list[str]) -> int:
+    with installation.session() as session:
+        gone = sa.delete(table).where(table.id.in_(keys))
+        return int(session.execute(gone, execution_options=QUIET).rowcount)  # type: ignore[attr-defined]
