@@ -8,7 +8,7 @@ from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
-from exogauge.identification.steady import steady_shares
+from exogauge.identification.steady import seconds, steady_shares
 from exogauge.remarks import About
 
 SPAN = 0.08  # [rad/s]
@@ -42,7 +42,7 @@ def test_a_joint_that_creeps_gives_no_row_below_its_speed(robot, study):
     slowest = [np.abs(prepared.axis_velocity[prepared.steady[:, axis], axis]).min() for axis in range(3)]
     assert slowest[1] >= 0.5
     assert max(slowest[0], slowest[2]) < 0.5
-    (_, second, _) = steady_shares(["j1", "j2", "j3"], [prepared], [])
+    (_, second, _) = steady_shares(["j1", "j2", "j3"], [seconds(prepared)], [])
     assert 0.0 < second.fitted_s < second.fitted_of_s
 
 

@@ -121,7 +121,7 @@ def same(one, other):
             left, right = getattr(one, field.name), getattr(other, field.name)
             np.testing.assert_equal(left, right, err_msg=field.name)
     for left, right in zip(one.predictions, other.predictions, strict=True):
-        np.testing.assert_equal(dict(left.predicted), dict(right.predicted))
+        np.testing.assert_equal(dict(left.channels().predicted), dict(right.channels().predicted))
     np.testing.assert_array_equal(one.model.covariance, other.model.covariance)
 
 

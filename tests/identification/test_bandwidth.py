@@ -1,5 +1,6 @@
 """The cut-off explains most of what was left out, is the lowest of those alike, and never takes most of a motion."""
 
+import time
 from dataclasses import replace
 from functools import partial
 
@@ -13,6 +14,7 @@ from exogauge.identification.preparation import prepare, suggested_cutoff
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.turns import rest_detection
 from exogauge.remarks import About
+from exogauge.side_by_side import CORES
 
 Tried = partial(Trial, keeps_most=True, keeps_judged=True)
 
@@ -24,7 +26,8 @@ def robot_and_log(make_truth, make_log):
     return truth.robot, log, suggested_cutoff(truth.robot, [log])
 
 
-def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log):
+def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log, monkeypatch):
+    monkeypatch.setenv(CORES, "1")  # more of them look ahead
     robot, log, first = robot_and_log
     tried = []
 
@@ -35,6 +38,28 @@ def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log):
     assert choose_cutoff(robot, [log], log.rate_hz, trial) == first / 2
     assert tried[:3] == [first, first / 2, first / 4]  # and no lower one, once that made it worse
     assert len(tried) == 4  # one step up, which gained nothing
+
+
+@pytest.mark.parametrize("left", [lambda x: abs(x), lambda x: -x, lambda x: x, lambda x: 0.0, lambda x: np.inf])
+def test_what_was_tried_ahead_decides_nothing(robot_and_log, monkeypatch, left):
+    """A trial that one processor would not have begun may look as good as it likes."""
+    robot, log, first = robot_and_log
+
+    def taken(cores):
+        monkeypatch.setenv(CORES, cores)
+        begun, said = [], []
+
+        def trial(_, hz):
+            begun.append(hz)
+            time.sleep(0.01)
+            return Tried(float(left(np.log2(hz / first))))
+
+        said.append(choose_cutoff(robot, [log], log.rate_hz, trial))
+        return said, begun
+
+    (one, few), (other, many) = taken("1"), taken("4")
+    assert one == other
+    assert set(few) <= set(many)
 
 
 def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(robot_and_log):

@@ -1,3 +1,5 @@
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -207,5 +209,24 @@ def test_no_bit_depends_on_how_many_processors_there_are(make_truth, make_log, m
         numbers = [[each.value, each.std] for each in found.parameters]
         fits = [[each.rmse_identified, each.noise_floor] for each in found.validation]
         scores = [[each.evidence, each.gain, *each.step] for each in ground.scores]
-        told.append([*numbers, *fits, *scores])
+        series = [channels for each in found.predictions for channels in vars(each.channels()).values()]
+        told.append([*numbers, *fits, *scores, *({name: x.tolist() for name, x in each.items()} for each in series)])
     assert told[0] == told[1]
+
+
+def test_channels_of_a_prediction_are_computed_alike_whenever_they_are_asked_for_and_kept_by_nobody(
+    make_truth, make_log
+):
+    truth = make_truth(True)
+    recordings = [Recording(make_log(truth, seed, seconds=12.0, noise=1.0), seed == 3) for seed in (1, 2, 3)]
+    found = identify(truth.robot, recordings, Settings())
+    for prediction in found.predictions:
+        told, again = prediction.channels(), prediction.channels()
+        assert set(told.measured) == set(told.predicted) == set(told.predicted_prior) == set(prediction.units)
+        for part, same in zip(vars(told).values(), vars(again).values(), strict=True):
+            np.testing.assert_equal(dict(part), dict(same))
+        held = [weakref.ref(values) for values in told.predicted.values()]
+        assert held
+        del told, again, part, same
+        gc.collect()
+        assert [ref() for ref in held] == [None] * len(held)

@@ -87,7 +87,12 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(
     (tmp_path / "plan" / "plan.yaml").write_text("version: 1\nrobot: x\nexcite: {seconds: 4}\n")
     out = tmp_path / "out"
     out.mkdir()
-    compute.excite(tmp_path / "plan", out, quiet, {})
+    told = list[tuple[float, str]]()
+    compute.excite(tmp_path / "plan", out, lambda *now: told.append(now), {})
+    shares = np.array([share for share, _ in told])
+    assert (np.diff(shares) >= 0.0).all()
+    searched = [share for share, words in told if words.startswith("search")]
+    assert searched[0] < 0.1
     document = json.loads((out / compute.PLAN).read_text())
     assert document["broken"] == []
     assert document["margins"]["pressure_inside_m"] is None

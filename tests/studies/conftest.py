@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from exogauge.identification.result import ChannelFit, Identification, Parameter, Prediction
+from exogauge.identification.result import ChannelFit, Channels, Identification, Parameter, Prediction
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.open import needed_channels, open_study
@@ -128,18 +129,17 @@ def predictions(samples: int = 4000) -> tuple[Prediction, ...]:
     made = []
     for log, held_out in (("id_1", False), ("val_1", True)):
         t = np.arange(samples) / 200.0
-        channels = [f"base.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz")] + [
-            f"tau.{name}" for name in JOINTS
-        ]
-        units = {name: "N" if ".f" in name else "N·m" for name in channels}
+        names = [f"base.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz")] + [f"tau.{name}" for name in JOINTS]
+        units = {name: "N" if ".f" in name else "N·m" for name in names}
         truth = {
             name: (12 + 3 * k) * np.sin(0.6 * t + k) * np.sin(0.11 * t) + 3 * np.sin(2.1 * t)
-            for k, name in enumerate(channels)
+            for k, name in enumerate(names)
         }
         measured = {name: values + 0.6 * rng.standard_normal(samples) for name, values in truth.items()}
         predicted = {name: 0.99 * values for name, values in truth.items()}
         prior = {name: 0.75 * values + 2.0 for name, values in truth.items()}
-        made.append(Prediction(log, held_out, t, measured, predicted, prior, units))
+        channels = partial(Channels, measured, predicted, prior)
+        made.append(Prediction(log, held_out, t, units, channels))
     return tuple(made)
 
 
@@ -159,12 +159,12 @@ def identification(pristine: Path) -> Identification:
             each.units[channel],
             each.log,
             each.held_out,
-            _rms(each.measured[channel] - each.predicted_prior[channel]),
-            _rms(each.measured[channel] - each.predicted[channel]),
+            _rms(told.measured[channel] - told.predicted_prior[channel]),
+            _rms(told.measured[channel] - told.predicted[channel]),
             0.6,
         )
-        for each in made
-        for channel in each.measured
+        for each, told in ((one, one.channels()) for one in made)
+        for channel in told.measured
     )
     phi = tree.phi * 1.07
     symbols = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from exogauge.identification.result import Prediction
+from exogauge.identification.result import Channels, Prediction
 from exogauge.studies.report.figures import draw_series
 
 
@@ -15,8 +15,9 @@ from exogauge.studies.report.figures import draw_series
 def test_labels_lie_among_the_values_evenly_and_no_offset_is_written(low: float, high: float) -> None:
     values = np.linspace(low, high, 50)
     told = {"tau.a": values}
-    prediction = Prediction("id", False, np.arange(50.0), told, told, told, {"tau.a": "N·m"})
-    drawn = draw_series(prediction, ["tau.a"], {}, "k")
+    channels = Channels(told, told, told)
+    prediction = Prediction("id", False, np.arange(50.0), {"tau.a": "N·m"}, lambda: channels)
+    drawn = draw_series(prediction, channels, ["tau.a"], {}, "k")
     words = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)
     labels = [float(each.replace("−", "-")) for each in words[words.index("time [s]") + 1 : words.index("[N·m]")]]
     assert len(labels) > 2

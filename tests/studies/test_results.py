@@ -92,7 +92,7 @@ def test_series_are_the_predictions(out: Path, identification: Identification) -
     table = pq.read_table(out / "series" / "val_1.parquet")
     np.testing.assert_array_equal(table["t"], prediction.time)
     for part in ("measured", "predicted", "predicted_prior"):
-        for channel, values in getattr(prediction, part).items():
+        for channel, values in getattr(prediction.channels(), part).items():
             np.testing.assert_array_equal(table[f"{part}.{channel}"], values)
     assert table.schema.field("measured.base.my").metadata[b"unit"].decode() == "N·m"
     meta = pq.ParquetFile(out / "series" / "val_1.parquet").metadata

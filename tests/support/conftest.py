@@ -23,7 +23,7 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters
-from exogauge.identification.result import Prediction
+from exogauge.identification.result import Channels, Prediction
 from exogauge.identification.settings import Settings
 from exogauge.identification.turns import RestDetection
 from exogauge.identification.type_b import TypeB
@@ -444,7 +444,7 @@ def make_evidence(biped: Biped) -> Callable[..., Evidence]:
             phase=np.zeros(len(torque), dtype=np.intp), a=torque, b=torque, a_priori=torque, std_a=nothing,
             std_b=nothing, half_a=nothing, half_b=nothing, low_b=torque, compared=used, steady=used, rest=~always,
             length=geometry.length, kept=kept, sloped=kept[::20], slope_b=slope,
-            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, {}, {}, {}),
+            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, lambda: Channels({}, {}, {})),
         )  # fmt: skip
 
     return make

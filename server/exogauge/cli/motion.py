@@ -186,7 +186,7 @@ def excite_robot(args: argparse.Namespace) -> int:
                   f"{100 * largest:.0f} %", file=sys.stderr)  # fmt: skip
 
     plan = plan_excitation(args.robot, args.seconds, study=args.study, result=args.result, seed=args.seed, report=tell,
-                           say=lambda words: print(words, file=sys.stderr))  # fmt: skip
+                           say=lambda share, words: print(words, file=sys.stderr))  # fmt: skip
     document, _, _ = excitation_document(plan)
     said = dict(document["told"])
     if args.out is not None and not document["broken"]:

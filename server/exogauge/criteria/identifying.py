@@ -137,6 +137,13 @@ class Identifying:
         "of logs with rows in them; with fewer nothing can be left out, and the maker's word counts as stated",
         derived("one part to fit, one to judge by"),
     )
+    most_folds: int = criterion(
+        32,
+        "parts",
+        "that are left out in turn; of more, neighbours are left out together. Each costs a solution for every "
+        "strength, and a study of one hour would have hundreds",
+        derived("the standard error of a mean of 32 is itself known to 1 / sqrt(2 · 31) = 13 %"),
+    )
 
 
 USUAL = "docs/decisions/0013-uncertainty-budget.md"

@@ -102,6 +102,12 @@ class Judging:
             "density above 0.17 over that above 0.34 of the rate: 1.33 for 0.5, 1.42 for 0.8 from sample to sample"
         ),
     )
+    noise_assumed: float = criterion(
+        0.8,
+        "1",
+        "that one sample of noise may hand on to the next where it is seen to fall, and not how steeply",
+        measured("tests/logs/test_noise_colour.py: recovered to a quarter up to there where it can be told"),
+    )
     noise_steepest: float = criterion(
         0.98,
         "1",
@@ -178,6 +184,12 @@ class Carrying:
     )
     above_motion: float = criterion(
         0.6, "of half the rate", "from where on only noise is heard: no arm moves there", judgement(PAYLOAD)
+    )
+    median_efficiency: float = criterion(
+        0.15,
+        "1",
+        "of the samples, as many as would tell a variance as well: median deviations, of two fifths of the band",
+        derived("0.37 · 0.4, as of `noise_falls` and `above_motion`"),
     )
     latest_s: float = criterion(
         0.05,

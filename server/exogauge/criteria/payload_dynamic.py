@@ -34,6 +34,15 @@ class Moving:
     mu_floor: float = criterion(
         0.05, "1", "by which μ must be from 1 at least: no noise is known better", judgement(RULES)
     )
+    misfit: float = criterion(
+        9.0,
+        "1",
+        "of μ, three standard deviations of every sample, from which on clocks are compared",
+        derived("3² = 9"),
+    )
+    farthest_clock_s: float = criterion(
+        2.0, "s", "that two clocks are looked for apart: more is another motion", judgement(RULES)
+    )
     memories: float = criterion(
         24.0,
         "correlation times",
@@ -55,6 +64,12 @@ class Moving:
     )
     still_noises: float = criterion(
         20.0, "std", "between the ends of a joint's course: with less it stands still", judgement(RULES)
+    )
+    noisier: float = criterion(
+        1.5,
+        "times the stated noise",
+        "that a joint shows while it moves, from which on what it shows is taken: less is within a statement's doubt",
+        judgement(RULES),
     )
     settled_rows: float = criterion(
         3.0, "rows per parameter", "before a recursion without a prior tells anything", judgement(RULES)

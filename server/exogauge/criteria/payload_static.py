@@ -45,6 +45,18 @@ class Standing:
         "the same, where no weight on a fixed sensor explains it",
         judgement("a lean of 20° that is taken as level leaves that much"),
     )
+    seen_axes: float = criterion(
+        0.1,
+        "1",
+        "of the largest singular value of gravity's directions, above which other axes of a wrench are looked for",
+        judgement(RULES),
+    )
+    aligned: float = criterion(
+        0.1, "1", "that an entry may be from 0 or ±1, of axes that are exchanged: 6°", derived("sin 6° = 0.10")
+    )
+    turned_deg: float = criterion(
+        1.0, "°", "from which on a turn of the wrench's axes is told: mounting is better than that", judgement(RULES)
+    )
     alike_deg: float = criterion(
         5.0,
         "°",

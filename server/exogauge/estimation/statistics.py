@@ -15,6 +15,8 @@ import numpy as np
 import scipy.linalg as sl
 from numpy.typing import NDArray
 
+from exogauge.estimation.free_blas import add_gram
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Form = Literal["gram", "factor"]
@@ -53,11 +55,7 @@ class Statistics:
     def add_rows(self, kind: int, block: Array) -> None:
         """Take in block: (n, k_r + 1) = [A_r | y_r]."""
         if self.form == "gram":
-            transposed = block.flags.c_contiguous
-            self.store[kind] = sl.blas.dsyrk(
-                1.0, block.T if transposed else block, beta=1.0, c=self.store[kind], trans=not transposed,
-                lower=0, overwrite_c=1,
-            )  # fmt: skip
+            add_gram(block, self.store[kind])
         else:
             stacked = np.vstack([self.store[kind], block])
             self.store[kind] = np.asfortranarray(upper_factor(stacked))

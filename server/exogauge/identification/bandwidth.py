@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
+from itertools import takewhile
 from typing import final
 
 import numpy as np
@@ -25,6 +27,7 @@ from exogauge.logs.derivatives import derivative_noise_gain
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_of
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -70,28 +73,28 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     log = max(logs, key=lambda one: one.samples)
     highest = min(LOGS.fastest * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
     first = min(suggested_cutoff(robot, logs), highest)
-    tried = {first: _tried(trial, log, first)}
+    lower = (first / 2.0**number for number in range(1, halvings + 1))
+    downwards = [first, *takewhile(lambda hz: hz >= LOWEST_HZ, lower)]
+    doubled = (first * 2.0**number for number in range(1, 64))
+    upwards = [*takewhile(lambda hz: hz < highest, doubled), highest] if first < highest else []
+    tried: dict[float, _Tried] = {}
 
     def drowned(hz: float) -> bool:
         return not tried[hz].quiet and any(one.quiet and one.keeps is Keeps.BOTH for one in tried.values())
 
-    for number in range(1, halvings + 1):
-        cutoff_hz = first / 2.0**number
-        if cutoff_hz < LOWEST_HZ:
+    for cutoff_hz, found in _in_turn(trial, log, downwards):
+        tried[cutoff_hz] = found
+        if cutoff_hz < first and np.isfinite(_best(tried)) and found.left > _best(tried) + STOP:
             break
-        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
-        if np.isfinite(_best(tried)) and tried[cutoff_hz].left > _best(tried) + STOP:
-            break
-    cutoff_hz = first
-    while cutoff_hz < highest:
-        before = tried[cutoff_hz]
-        cutoff_hz = min(2.0 * cutoff_hz, highest)
-        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
+    before = tried[first]
+    for cutoff_hz, found in _in_turn(trial, log, upwards):
+        tried[cutoff_hz] = found
         if drowned(cutoff_hz):
             break
-        improved = not np.isfinite(before.left) or tried[cutoff_hz].left < before.left - AS_GOOD
-        if (before.keeps is Keeps.BOTH and not improved) or tried[cutoff_hz].left > _best(tried) + STOP:
+        improved = not np.isfinite(before.left) or found.left < before.left - AS_GOOD
+        if (before.keeps is Keeps.BOTH and not improved) or found.left > _best(tried) + STOP:
             break
+        before = found
     tried = {hz: one for hz, one in tried.items() if not drowned(hz)}
     as_good = [hz for hz, one in tried.items() if one.left <= _best(tried) + AS_GOOD]
     good_enough = [hz for hz, one in tried.items() if one.left <= _best(tried) + STOP]
@@ -114,6 +117,14 @@ class _Tried:
 
 def _best(tried: Mapping[float, _Tried]) -> float:
     return min(one.left for one in tried.values())
+
+
+def _in_turn(
+    trial: Callable[[Log, float], Trial], log: Log, cutoffs: Sequence[float]
+) -> Iterator[tuple[float, _Tried]]:
+    """On several processors the next are under way while one is looked at; of what nobody asks for any more nothing is
+    known."""
+    yield from zip(cutoffs, side_by_side(partial(_tried, trial, log), cutoffs), strict=True)
 
 
 def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> _Tried:

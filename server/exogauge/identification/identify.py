@@ -33,16 +33,16 @@ from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import Scales, added_std, joint_prior, per_parameter, relative_std, scales
 from exogauge.identification.ranges import clip_to_ranges
-from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
+from exogauge.identification.result import ChannelFit, Channels, Identification, Prediction, SteadyShare
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
-from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, steady_shares
+from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, seconds, steady_shares
 from exogauge.identification.total_mass import remarks_on_total_mass, total_mass
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.type_b import TypeB, lifted_by_source
 from exogauge.identification.uncertainty import score_covariance
-from exogauge.identification.validate import fits, noise_floors, predict_log
+from exogauge.identification.validate import fits, noise_floors, predict_log, prediction_of
 from exogauge.logs.model import Log
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.remarks import About, Remark
@@ -360,20 +360,25 @@ def _validate(
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...], tuple[SteadyShare, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked; and their steady motion."""
-    equations, fitted, kept = made.equations, made.fitted, made.kept
+    equations, fitted, kept, made_ready = made.equations, made.fitted, made.kept, made.ready
     ready = {id(prepared.log): prepared for prepared in fitted}
     k_T = motor_gain(equations, parameters[0])
     known = known_noise(equations.robot, [each.log for each in recordings], fitted[0].low_pass.cutoff_hz)
     predictions: list[Prediction] = []
     validation: list[ChannelFit] = []
-    held_out: list[Prepared] = []
+    held_out: list[Array] = []
 
-    def predicted(recording: Recording) -> tuple[Prepared, Prediction, tuple[ChannelFit, ...]]:
-        prepared = ready.get(id(recording.log)) or made.ready(recording.log)
-        prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out, kept)
-        floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
-        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, made.at_rest, prediction, known))
-        return prepared, prediction, fits(prediction, prepared, equations, parameters[0], floors)
+    def told(prepared: Prepared) -> Channels:
+        return predict_log(equations, prepared, *parameters, k_T, kept)
+
+    def predicted(recording: Recording) -> tuple[Array, Prediction, tuple[ChannelFit, ...]]:
+        log, held_out = recording.log, recording.held_out
+        prepared = ready.get(id(log)) or made.ready(log)
+        now = told(prepared)
+        floors = {channel: floor for (name, channel), floor in known_floors.items() if name == log.name}
+        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, made.at_rest, now, known))
+        prediction = prediction_of(log, held_out, equations, lambda: told(made_ready(log)))
+        return seconds(prepared), prediction, fits(now, held_out, prepared, equations, parameters[0], floors)
 
     progress(0.85, Doing.PREDICTING, recordings[0].log.name)
     for recording, found in zip(recordings, side_by_side(predicted, recordings), strict=True):
@@ -381,7 +386,8 @@ def _validate(
         held_out += [found[0]] if recording.held_out else []
         predictions.append(found[1])
         validation += found[2]
-    steady = steady_shares([joint.name for joint in equations.robot.joints], fitted, held_out)
+    joints = [joint.name for joint in equations.robot.joints]
+    steady = steady_shares(joints, [seconds(each) for each in fitted], held_out)
     return tuple(predictions), tuple(validation), steady
 
 

@@ -49,24 +49,24 @@ def noise_bias(
     """(P,) estimate of what noise in the regressor added to x. kept: what is known of these logs, prepared alike."""
     rng = np.random.default_rng(0)
     known = known_noise(equations.robot, [each.log for each in fitted], fitted[0].low_pass.cutoff_hz)
-    parts: dict[float, list[Statistics]] = {1.0: [], -1.0: []}
+    signs, sums = (1.0, -1.0), dict[float, Statistics]()
 
-    def noisier(of: tuple[Prepared, Mapping[str, Array]]) -> dict[float, list[Statistics]]:
+    def noisier(of: tuple[Prepared, Mapping[str, Array]]) -> dict[float, Statistics]:
         prepared, noise = of
-        found = dict[float, list[Statistics]]()
+        found = dict[float, Statistics]()
         drawn = hashlib.blake2b(b"".join(each.tobytes() for each in noise.values()), digest_size=8).hexdigest()
-        for sign in parts:
+        for sign in signs:
             noisy = partial(_noisy_at_kept, equations.robot, prepared, noise, sign, at_rest)
             alone = kept.of(prepared.log, f"noise {drawn} {sign:+}", noisy)
             whole = _beside(alone, prepared.added[prepared.kept], prepared.raw_added[prepared.kept])
-            found[sign] = equations.collect(whole, solution.x_before, 1)
+            (found[sign],) = equations.collect(whole, solution.x_before, 1)
         return found
 
     draws = ((each, draw_noise(equations.robot, each, rng, known)) for each in fitted)
     for found in side_by_side(noisier, draws):
         for sign, collected in found.items():
-            parts[sign] += collected
-    at_noise = [solution.of(sum(each[1:], each[0])).x for each in parts.values()]
+            sums[sign] = sums[sign] + collected if sign in sums else collected
+    at_noise = [solution.of(sums[sign]).x for sign in signs]
     return np.asarray(np.mean(at_noise, axis=0) - solution.of(solution.statistics).x)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import TOLD, Equations
 from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
+from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
@@ -58,6 +59,13 @@ def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> M
     for sensor in robot.cuts:
         channels |= {name: prepared.log.channels[name] for name in wrench_channels(sensor.name)}
     return channels
+
+
+def told_channels(robot: Robot) -> tuple[str, ...]:
+    """Names of what is measured and predicted, in this order."""
+    torques = [f"tau.{joint.name}" for joint in robot.joints if joint.actuation != "none"]
+    read = [name for sensor in robot.cuts for name in wrench_channels(sensor.name)]
+    return (*(BASE_CHANNELS if robot.floating else ()), *torques, *read)
 
 
 def predictions(

@@ -24,6 +24,7 @@ from exogauge.logs.segments import widened
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
 from exogauge.robots.rows import RowType
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -161,8 +162,8 @@ def channel_of_row(robot: Robot, number: int) -> str:
 def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     """[Hz] the highest cut-off that any fitted log calls for: what its positions can bear, and its gyro."""
     names = [f"q.{joint.name}" for joint in robot.joints]
-    cutoffs = []
-    for log in logs:
+
+    def of_log(log: Log) -> float:
         bearable = [suggest_cutoff(log.stack(names), log.rate_hz)]
         gyro = log.stack(["gyro.x", "gyro.y", "gyro.z"]) if robot.floating else np.zeros((log.samples, 0))
         noise = np.array([each.std for each in noise_of(list(gyro.T), log.rate_hz, 0.25 * log.rate_hz)])
@@ -170,8 +171,9 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
             gyro.std(axis=0) > TURNING * noise
         ):  # a base that stands still says nothing of the motion's bandwidth
             bearable.append(GYRO_SHARE * suggest_cutoff(gyro, log.rate_hz, order=1))
-        cutoffs.append(min(bearable))
-    return max(cutoffs)
+        return min(bearable)
+
+    return max(side_by_side(of_log, logs))
 
 
 def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:

@@ -87,14 +87,14 @@ def solve(
     x, strength = prior.seen_mean, settings.prior_strength or 1.0
     curve: tuple[tuple[float, float], ...] = ()
     form: Form = "gram" if settings.solver == "statistics" else "factor"
-    belief = prior
+    belief, criteria = prior, settings.criteria.identifying
     for number in range(passes):
-        folds: list[Statistics] = []
+        folds = Folds(FOLDS * len(fitted), criteria.most_folds)
         collected = side_by_side(partial(equations.collect, x_before=x, folds=FOLDS, form=form), fitted)
         for done, parts in enumerate(collected, number * len(fitted) + 1):
-            folds += parts
+            folds.add(parts)
             progress(0.1 + 0.65 * done / (passes * len(fitted)), Doing.COLLECTING_EQUATIONS)
-        total = sum(folds[1:], folds[0])
+        total = folds.total
         if number == 0:
             weights = first_weights(equations, total, prior)
             if not weights.any():
@@ -107,7 +107,7 @@ def solve(
             belief = as_printed(equations, prior, total, weights)
         weights = weigh(total, belief, strength, weights)
         if settings.prior_strength is None and number == passes - 1:
-            strength, curve = choose_strength(folds, weights, belief, settings.prior, settings.criteria.identifying)
+            strength, curve = choose_strength(folds.parts, weights, belief, settings.prior, criteria)
             weights = weigh(total, belief, strength, weights)
         data = total.square_root(weights)
         nearest = PriorLeastSquares(data, belief, strength)
@@ -116,6 +116,35 @@ def solve(
         sticking = fill_static_friction(equations, total, prior, solved.x)
         x_before, x = x, sticking.x
     return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before, gains)
+
+
+@final
+class Folds:
+    """What is left out in turn: each part of a log by itself, or so many together that there are no more than `most`.
+
+    A part is some MB, whatever its length.
+    """
+
+    def __init__(self, parts: int, most: int) -> None:
+        self._together, self._taken = -(-parts // most), 0
+        self.parts: list[Statistics] = []
+        self._total: Statistics | None = None
+
+    @property
+    def total(self) -> Statistics:
+        """In the order in which they came."""
+        assert self._total is not None
+        return self._total
+
+    def add(self, parts: Sequence[Statistics]) -> None:
+        """The next ones."""
+        for part in parts:
+            self._total = part if self._total is None else self._total + part
+            if self._taken % self._together:
+                self.parts[-1] = self.parts[-1] + part
+            else:
+                self.parts.append(part)
+            self._taken += 1
 
 
 def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array) -> Array:
@@ -157,15 +186,16 @@ def choose_strength(
     folds = [fold for fold in folds if fold.count @ (weights > 0.0) > 0]
     if len(folds) < criteria.fewest_folds:
         return 1.0, ()
-    before = itertools.accumulate(folds[:-1], initial=folds[0].cleared())
+    before = list(itertools.accumulate(folds[:-1], initial=folds[0].cleared()))
     behind = list(itertools.accumulate(folds[:0:-1], initial=folds[0].cleared()))[::-1]
-    data = [(first + last).square_root(weights) for first, last in zip(before, behind, strict=True)]
     rows = np.array([float(fold.count @ (weights > 0.0)) for fold in folds])
-    scores = np.empty((len(STRENGTHS[kind]), len(folds)))
-    for row, strength in zip(scores, STRENGTHS[kind], strict=True):
-        for index, (fold, rest) in enumerate(zip(folds, data, strict=True)):
-            x = PriorLeastSquares(rest, prior, strength).x
-            row[index] = weights @ fold.residual_square_sum(x) / rows[index]
+
+    def of_fold(index: int) -> list[float]:
+        rest = (before[index] + behind[index]).square_root(weights)
+        xs = (PriorLeastSquares(rest, prior, strength).x for strength in STRENGTHS[kind])
+        return [float(weights @ folds[index].residual_square_sum(x) / rows[index]) for x in xs]
+
+    scores = np.ascontiguousarray(np.array(list(side_by_side(of_fold, range(len(folds))))).T)
     mean = scores @ rows / rows.sum()
     excess = scores - scores[np.argmin(mean)]
     error = excess.std(axis=1, ddof=1) / np.sqrt(len(folds))

@@ -15,11 +15,10 @@ from exogauge.remarks import About, Remark
 Array = NDArray[np.float64]
 
 
-def steady_shares(
-    joints: Sequence[str], fitted: Sequence[Prepared], held_out: Sequence[Prepared]
-) -> tuple[SteadyShare, ...]:
-    """One entry per joint."""
-    own, others = _seconds(fitted, len(joints)), _seconds(held_out, len(joints))
+def steady_shares(joints: Sequence[str], fitted: Sequence[Array], held_out: Sequence[Array]) -> tuple[SteadyShare, ...]:
+    """One entry per joint. fitted, held_out: `seconds` of every log."""
+    nothing = np.zeros((2, 2, len(joints)))
+    own, others = (np.sum([nothing, *logs], axis=0) for logs in (fitted, held_out))
     return tuple(
         SteadyShare(
             joint,
@@ -62,9 +61,9 @@ def keeps_most(log: Prepared, criteria: Identifying) -> bool:
     return pooled >= criteria.most_steady and bool(np.all(steady[counted] >= criteria.least_steady * moving[counted]))
 
 
-def _seconds(logs: Sequence[Prepared], axes: int) -> Array:
-    """(2, 2, A) over all logs together."""
-    return np.asarray(np.sum([np.zeros((2, 2, axes)), *(_counts(log) / log.log.rate_hz for log in logs)], axis=0))
+def seconds(log: Prepared) -> Array:
+    """(2, 2, A) [s] moving and of this steady, backwards and forwards."""
+    return _counts(log) / log.log.rate_hz
 
 
 def _counts(log: Prepared) -> Array:

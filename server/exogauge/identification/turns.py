@@ -18,6 +18,7 @@ from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_of
 from exogauge.logs.undoing import StoredPositions
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -54,13 +55,15 @@ def rest_detection(
     """
     criteria = criteria or Resting()
     joints = [f"q.{joint.name}" for joint in robot.joints]
-    finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
-    noise, top = np.zeros(len(joints)), np.zeros(len(joints))
-    for log in logs:
+    finest = max(cutoff_hz, *side_by_side(lambda log: suggest_cutoff(log.stack(joints), log.rate_hz), logs))
+
+    def of_log(log: Log) -> tuple[Array, Array]:
         q, low_pass = log.stack(joints), LowPass(finest, log.rate_hz)
         std = np.array([each.std for each in noise_of(list(q.T), log.rate_hz, 0.25 * log.rate_hz)])
-        noise = np.maximum(noise, derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0)))
-        top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
+        noise = derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0))
+        return noise, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0)
+
+    noise, top = (np.max(each, axis=0) for each in zip(*side_by_side(of_log, logs), strict=True))
     mixing = np.abs(robot.axes_from_joints)
     axis_noise = np.sqrt(mixing**2 @ noise**2)
     seen = np.maximum(criteria.sigmas * axis_noise, criteria.share * (mixing @ top))

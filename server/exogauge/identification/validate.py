@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,10 +17,12 @@ from exogauge.identification.predict import (
     added_beyond_band,
     measured_channels,
     predictions,
+    told_channels,
 )
 from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
-from exogauge.identification.result import ChannelFit, Prediction
+from exogauge.identification.result import ChannelFit, Channels, Prediction
 from exogauge.identification.turns import RestDetection
+from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
@@ -32,9 +34,8 @@ def predict_log(
     identified: Parameters,
     prior: Parameters,
     k_T: Array,
-    held_out: bool,
     kept: PerLog,
-) -> Prediction:
+) -> Channels:
     """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified. kept: by other models
     that prepare it alike; what is known a priori stays the same whatever is added."""
     measured = measured_channels(equations, prepared, k_T)
@@ -42,42 +43,41 @@ def predict_log(
     known = kept.of(
         prepared.log, f"a priori {believed.hexdigest()}", lambda: predictions(equations, prepared, [prior])[0]
     )
-    predicted, predicted_prior = predictions(equations, prepared, [identified])[0], known
-    return Prediction(
-        log=prepared.log.name,
-        held_out=held_out,
-        time=prepared.log.time,
-        measured=measured,
-        predicted=predicted,
-        predicted_prior=predicted_prior,
-        units={name: unit_of(name, equations.robot) for name in measured},
-    )
+    return Channels(measured, predictions(equations, prepared, [identified])[0], known)
+
+
+def prediction_of(log: Log, held_out: bool, equations: Equations, channels: Callable[[], Channels]) -> Prediction:
+    """channels: of this log, by `predict_log`."""
+    names = told_channels(equations.robot)
+    return Prediction(log.name, held_out, log.time, {name: unit_of(name, equations.robot) for name in names}, channels)
 
 
 def fits(
-    prediction: Prediction,
+    told: Channels,
+    held_out: bool,
     prepared: Prepared,
     equations: Equations,
     identified: Parameters,
     floors: Mapping[str, NoiseFloor],
 ) -> tuple[ChannelFit, ...]:
     """RMSE of every channel over all samples of one log. floors: from `noise_floors`."""
+    log = prepared.log
     joints = enumerate(equations.robot.joints)
     resting = {f"tau.{joint.name}": prepared.raw_direction[:, axis] == 0.0 for axis, joint in joints}
-    moving = rmse_in_steady_motion(equations, prepared, prediction.measured, prediction.predicted, identified, floors)
+    moving = rmse_in_steady_motion(equations, prepared, told.measured, told.predicted, identified, floors)
     steady = steady_samples(equations, prepared)
-    step_s = float(np.median(np.diff(prediction.time)))
+    step_s = float(np.median(np.diff(log.time)))
     result = []
-    for channel, measured in prediction.measured.items():
-        error = measured - prediction.predicted[channel]
+    for channel, measured in told.measured.items():
+        error = measured - told.predicted[channel]
         rest = resting.get(channel, np.zeros(len(error), dtype=bool))
         result.append(
             ChannelFit(
                 channel=channel,
-                unit=prediction.units[channel],
-                log=prediction.log,
-                held_out=prediction.held_out,
-                rmse_prior=rms(measured - prediction.predicted_prior[channel]),
+                unit=unit_of(channel, equations.robot),
+                log=log.name,
+                held_out=held_out,
+                rmse_prior=rms(measured - told.predicted_prior[channel]),
                 rmse_identified=rms(error),
                 noise_floor=floors[channel].whole,
                 noise_beyond_band=floors[channel].beyond_band,
@@ -121,7 +121,7 @@ def noise_floors(
     identified: Parameters,
     k_T: Array,
     at_rest: RestDetection,
-    prediction: Prediction,
+    told: Channels,
     known: Mapping[str, float],
 ) -> Mapping[str, NoiseFloor]:
     """Channel -> what the sensors' noise alone would leave in steady motion under a perfect model.
@@ -137,10 +137,10 @@ def noise_floors(
     measured = measured_channels(equations, again, k_T)
     (predicted,) = predictions(equations, again, [identified])
     moving = steady_samples(equations, prepared)
-    noises = [values - prediction.measured[channel] for channel, values in measured.items()]
+    noises = [values - told.measured[channel] for channel, values in measured.items()]
 
     def floor(channel: str, noise: Array, within_band: Array) -> NoiseFloor:
-        change = noise - (predicted[channel] - prediction.predicted[channel])
+        change = noise - (predicted[channel] - told.predicted[channel])
         inside = moving[channel] if moving[channel].any() else np.ones(len(noise), dtype=bool)
         return NoiseFloor(rms(change[inside]), rms((noise - within_band)[inside]))
 

@@ -27,9 +27,9 @@ Array = NDArray[np.float64]
 def hidden_noise(logs: Sequence[Log], names: Sequence[str], cutoff_hz: float, judging: Judging) -> Array:
     """(K,) std of what noise of the channels `names` holds below the cut-off beyond the white noise that their parts
     above twice the cut-off show, over all logs; 0 where the density between two and four times the cut-off is less than
-    `noise_falls` times that above, and where no log reaches higher. Infinite where it does fall, and too close to half
-    the sampling rate to say how much lies below. Logs that were low-passed before they were stored say nothing of it.
-    """
+    `noise_falls` times that above, and where no log reaches higher. Where it falls too close to half the sampling
+    rate to say how steeply: as much as it may be (`noise_assumed`). Logs that were low-passed before they were stored
+    say nothing of it."""
     near, highest, octave = 2.0 * cutoff_hz, 0.35, 2.0
     seen = [log for log in logs if log.stored is None and judging.noise_apart * near <= highest * log.rate_hz]
     if not seen:
@@ -43,11 +43,14 @@ def hidden_noise(logs: Sequence[Log], names: Sequence[str], cutoff_hz: float, ju
         for above in (near, far)
     )  # fmt: skip
     passes = [LowPass(each, rate) for each in (near, far)]
-    found = np.array([_hidden(*each, cutoff_hz, passes, judging) for each in zip(white, beyond, strict=True)])
-    return found if told else np.where(found > 0.0, np.inf, 0.0)
+    assumed = None if told else judging.noise_assumed
+    return np.array([_hidden(*each, cutoff_hz, passes, judging, assumed) for each in zip(white, beyond, strict=True)])
 
 
-def _hidden(white: float, beyond: float, cutoff_hz: float, passes: Sequence[LowPass], judging: Judging) -> float:
+def _hidden(
+    white: float, beyond: float, cutoff_hz: float, passes: Sequence[LowPass], judging: Judging, assumed: float | None
+) -> float:
+    """assumed: what a sample hands on, where that is not found."""
     rate, (near, far) = passes[0].rate_hz, (each.cutoff_hz for each in passes)
     frequency = (np.arange(2000) + 0.5) / 4000.0 * rate
     shares = [(1.0 - each.gain(frequency)) ** 2 for each in passes]
@@ -64,8 +67,9 @@ def _hidden(white: float, beyond: float, cutoff_hz: float, passes: Sequence[LowP
     between = (white * (end - near) - beyond * (end - far)) / (far - near)
     if beyond <= 0.0 or between < judging.noise_falls * beyond:
         return 0.0
-    seen = white / beyond
-    most = judging.noise_steepest
-    p = most if seen >= ratio(most) else float(brentq(lambda each: ratio(each) - seen, 0.0, most))
+    seen, most = white / beyond, judging.noise_steepest
+    p = assumed
+    if p is None:
+        p = most if seen >= ratio(most) else float(brentq(lambda each: ratio(each) - seen, 0.0, most))
     inside = white * np.mean(density(p)[frequency < cutoff_hz]) / np.average(density(p), weights=shares[0])
     return math.sqrt(max(float(inside) - white, 0.0) * cutoff_hz / end)

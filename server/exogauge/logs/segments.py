@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
+from exogauge.logs.even_stamps import times_rougher
 from exogauge.logs.model import Beside, Log, Note
-from exogauge.logs.noise import noise_of
-from exogauge.logs.resampling import is_even, uniform
+from exogauge.logs.resampling import uniform
 
 
 def segments(log: Log, first: int = 0) -> list[Log]:
@@ -74,26 +74,19 @@ def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
 def _on_even_clock(log: Log) -> Log:
     """Whether samples were taken when their stamps say, or evenly, positions tell: at the wrong one they are rough."""
     positions = [name for name, values in log.channels.items() if name.startswith("q.") and np.isfinite(values).all()]
-    if is_even(log.time) or not positions:
+    told = times_rougher(log, positions)
+    if told is None:
         return log
-    resampled = uniform(log)
-    as_stamped, as_counted = (_roughness(each, positions) for each in (resampled, log))
+    as_stamped, as_counted = told
     varies = f"sample periods vary by {100.0 * float(np.std(np.diff(log.time))) * log.rate_hz:.2g} %"
-    if as_counted > LOGS.rougher * as_stamped:
-        times = as_counted / max(as_stamped, 1e-300)
-        detail = f"{varies}: resampled to an even clock, on which positions are {times:.2g} times smoother"
-        return replace(resampled, part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
-    if as_stamped > LOGS.rougher * as_counted:
-        times = as_stamped / max(as_counted, 1e-300)
-        detail = f"{varies} by their stamps alone, as positions are {times:.2g} times smoother on an even clock"
+    if as_counted > LOGS.rougher:
+        detail = f"{varies}: resampled to an even clock, on which positions are {as_counted:.2g} times smoother"
+        return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
+    if as_stamped > LOGS.rougher:
+        detail = f"{varies} by their stamps alone, as positions are {as_stamped:.2g} times smoother on an even clock"
         even = np.linspace(log.time[0], log.time[-1], log.samples)
         return replace(log, time=even, notes=(*log.notes, Note("stamps_evened", detail, "", None)))
     return log
-
-
-def _roughness(log: Log, names: Sequence[str]) -> float:
-    found = noise_of([log.channels[name] for name in names], log.rate_hz, 0.25 * log.rate_hz)
-    return float(np.sqrt(sum(each.std**2 for each in found)))
 
 
 def _told(

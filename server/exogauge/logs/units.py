@@ -32,7 +32,15 @@ _TABLE: Mapping[str, Mapping[str, float]] = {
     "angular acceleration": {"rad/s^2": 1.0, "deg/s^2": _DEG},
     "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY},
     "current": {"A": 1.0, "mA": 1e-3},
-    "torque": {"Nm": 1.0, "mNm": 1e-3, "Nmm": 1e-3, "Ncm": 1e-2, "kNm": 1e3, "kgfcm": 1e-2 * STANDARD_GRAVITY},
+    "torque": {
+        "Nm": 1.0,
+        "mNm": 1e-3,
+        "Nmm": 1e-3,
+        "Ncm": 1e-2,
+        "kNm": 1e3,
+        "kgfcm": 1e-2 * STANDARD_GRAVITY,
+        "kgfm": STANDARD_GRAVITY,
+    },
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "kgf": STANDARD_GRAVITY},
     "ratio": {"1": 1.0},
 }

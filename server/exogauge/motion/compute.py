@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from exogauge.criteria.motion_excite import USUAL as EXCITE
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion import played
 from exogauge.motion.channels import add_judged, of_fit, of_retargeted
 from exogauge.motion.contract import PlanFile
-from exogauge.motion.excite.plan import ExcitationPlan, motion_table, plan_excitation
+from exogauge.motion.excite.plan import SEARCH, ExcitationPlan, motion_table, plan_excitation
 from exogauge.motion.figure import figure_of, write_figure
 from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.fit.told import angle_table, summarise
@@ -45,7 +46,7 @@ FIT, PLAN, PLAN_YAML, MOTION, FIGURE, PLAYED = (
 )  # fmt: skip
 SERIES = "series/motion.parquet"
 EXCITED_HZ = 200.0  # at which a motion that excites is written
-SLOWLY = 8.0, 200.0  # rounds, motions after which a search is two thirds told; nobody knows how many it takes
+SLOWLY = 8.0  # rounds after which a search is two thirds told; nobody knows how many it takes
 
 
 def fit(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
@@ -80,7 +81,7 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
     person = person_of(capture.motion) if fitted is None else person_of_fit(fitted, capture.motion.contacts)
 
     def tell(now: Round) -> None:
-        done = (now.part + 1.0 - math.exp(-now.number / SLOWLY[0])) / now.parts
+        done = (now.part + 1.0 - math.exp(-now.number / SLOWLY)) / now.parts
         progress(0.1 + 0.8 * done, f"planning: stretch {now.part + 1} of {now.parts}, round {now.number}")
 
     def tried(what: str, value: float, holds: bool) -> None:
@@ -105,13 +106,16 @@ def excite(folder: Path, out: Path, progress: Progress, settings: Mapping[str, A
     assert file.excite is not None
     study = folder / "study" / "study.yaml"
 
+    most = EXCITE.steps * len(EXCITE.costs)
+
     def tell(start: int, count: int, cost: float, largest: float) -> None:
-        share = 0.05 + 0.7 * (1.0 - math.exp(-(count + 100 * start) / SLOWLY[1]))
-        progress(share, f"search {start}, motion {count}: nearest bound {100 * largest:.0f} %")
+        done = (start - 1 + min(count / most, 1.0)) / EXCITE.starts
+        progress(SEARCH[0] + done * (SEARCH[1] - SEARCH[0]),
+                 f"search {start}, motion {count} of {most}: nearest bound {100 * largest:.0f} %")  # fmt: skip
 
     found = plan_excitation(
         folder / "robot" / "robot.yaml", file.excite.seconds, study=study if study.is_file() else None,
-        seed=file.excite.seed, report=tell, say=lambda words: progress(0.8, words),
+        seed=file.excite.seed, report=tell, say=progress,
     )  # fmt: skip
     progress(0.95, "writing")
     document, judged, acceleration = excitation_document(found)

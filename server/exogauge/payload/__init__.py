@@ -2,8 +2,8 @@
 
 - `contract`, `intake`, `log_names`, `other_units`, `imu`, `limits`: payload.yaml and its logs, read and refused
 - `doctor`, `prepare`, `smoothing`, `sensor_motion`: logs examined; poses become the sensor's motion
-- `holds`, `statics`: postures at rest: mass, centre, zero, inclination
-- `dynamics`, `total_least_squares`: motion: the inertia, and how far the noise of both sides counts
+- `holds`, `statics`, `turned_axes`: postures at rest: mass, centre, zero, inclination; axes that are others
+- `dynamics`, `total_least_squares`, `clock_offset`: motion: the inertia, and how far the noise of both sides counts
 - `contact`, `remainder`, `missing`: what touches, what is left, what a rigid body does not explain
 - `stages`, `evaluate`, `compute`: the recipe, step by step, whole, and as a job
 - `results`, `schema`, `tables`, `report`, `summary`, `exports`: what is told, for machines and people

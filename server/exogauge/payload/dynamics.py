@@ -33,7 +33,7 @@ ZERO_NAMES = ("fx0", "fy0", "fz0", "mx0", "my0", "mz0")
 class Rows:
     """z: (T, 6, n+1) rows [A b] divided by the noise of b. noise: (T, n+1, n+1) covariance of their errors, summed over
     the six. std: (6,) [N, N·m] that they were divided by. sign: s. tipped: (T, 3, 2) [m/s²] change of a - g in {S} by a
-    turn of gravity by 1 rad about two axes across it; None where that is not asked."""
+    turn of gravity by 1 rad about two axes across it; None where that is not known."""
 
     z: Array
     noise: Array
@@ -51,6 +51,17 @@ class Rows:
             return np.zeros((len(self.z), 6, 2))
         moment = np.cross(x[1:4], self.tipped, axisb=1, axisc=1)
         return np.asarray(self.sign * np.hstack([x[0] * self.tipped, moment]) / self.std[:, None])
+
+    def across_tilting(self) -> Array:
+        """(4, 16, 2) Σ Aᵀ `tilting` of payloads of unit m, m c: that of x is linear in these."""
+        across = np.zeros((len(self.z), 6, 4, 2))
+        if self.tipped is not None:
+            across[:, :3, 0] = self.tipped
+            for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1)), 1):  # e_k x v
+                across[:, 3 + i, k], across[:, 3 + j, k] = -self.tipped[:, j], self.tipped[:, i]
+            across *= self.sign / self.std[:, None, None]
+        A = self.z[:, :, :-1].reshape(-1, self.size)
+        return np.asarray((A.T @ across.reshape(len(A), 8)).reshape(self.size, 4, 2).swapaxes(0, 1))
 
 
 @final
@@ -78,7 +89,7 @@ class DynamicSolution:
     mu, mu_std: residual over what the noise model says, 1 where it holds, and its chance. decided: (16,) whether the
     data made a number at least ten times as sure as it was. physical: (16,) the likeliest whose body can exist; cost:
     what that costs, in squared standard deviations; 0 where x is possible. residual: (T, 6) [N, N·m]. method: of
-    `value`.
+    `value`. excited: whether the motion would decide an entry of the inertia, were the residual but the stated noise.
     """
 
     value: Array
@@ -91,6 +102,7 @@ class DynamicSolution:
     cost: float
     residual: Array
     method: Method
+    excited: bool
 
     @property
     def std(self) -> Array:
@@ -103,18 +115,13 @@ class DynamicSolution:
         return replace(self, covariance=covariance, decided=decided)
 
 
-def dynamic_rows(
-    motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array, *, tipping: bool = True
-) -> Rows:
+def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array) -> Rows:
     """wrench: (T, 6) as read. gravity: (3,) [m/s²] in {B}, as the static stage left it. std: (6,) of the wrench.
-    tipping: whether it is told what a turn of gravity changes.
 
     Row covariance by first order: A is linear in a - g and α and quadratic in ω.
     """
     z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
     fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
-    if not tipping:
-        return Rows(z, noise, std, sign)
     turned = np.stack([np.cross(axis, gravity) for axis in upright(gravity)[:2]], axis=1)
     return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned)
 
@@ -159,13 +166,15 @@ def dynamic_stage(
     scores = _scores(rows, found, left, method)
     meat = _coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
     inverse = np.linalg.inv(H)
-    covariance = inverse @ (meat + _of_prior(rows, x, prior)) @ inverse
+    covariance = inverse @ (meat + of_prior(rows.across_tilting(), x, prior)) @ inverse
     before = np.sqrt(np.diag(prior.covariance))
     decided = np.sqrt(np.diag(covariance)) < criteria.decided * before
     residual = left * rows.std
     physical, cost = _possible(x, covariance, prior)
+    by_noise = np.sqrt(np.maximum(np.diag(inverse), 0.0)) < criteria.decided * before
+    excited = bool(by_noise[4:10].any()) if method == "gtls" else bool(decided[4:10].any())
     return DynamicSolution(
-        x, covariance, found.mu, _mu_std(left, found.mu), decided, before, physical, cost, residual, method
+        x, covariance, found.mu, _mu_std(left, found.mu), decided, before, physical, cost, residual, method, excited
     )
 
 
@@ -220,14 +229,14 @@ def prior_information(prior: Prior) -> Array:
     return np.asarray(root.T @ root)
 
 
-def _of_prior(rows: Rows, x: Array, prior: Prior) -> Array:
+def of_prior(across: Array, x: Array, prior: Prior) -> Array:
     """(16, 16) spread that errors of what was known bring into the estimate's equations: of x, and of the direction of
-    gravity, which the rows take as given and which errs together with x."""
+    gravity, which the rows take as given and which errs together with x. across: `Rows.across_tilting`."""
     joint = np.block([[prior.covariance, prior.lean[:16]], [prior.lean.T]])
     scale = np.sqrt(np.maximum(np.diag(joint), 1e-300))
     value, vectors = np.linalg.eigh(joint / np.outer(scale, scale))
     root = scale[:, None] * vectors * np.sqrt(np.maximum(value, 0.0))
-    AT = np.einsum("tip,tik->pk", rows.z[:, :, :-1], rows.tilting(x))
+    AT = np.tensordot(x[:4], across, 1)
     spread = np.hstack([prior_information(prior), -AT]) @ root
     return np.asarray(spread @ spread.T)
 
@@ -261,7 +270,10 @@ def _mu_std(left: Array, mu: float) -> float:
 
 
 def correlation_time(left: Array) -> float:
-    """Longest correlation time of the six residuals, in samples, up to where the correlation first ends."""
+    """Longest correlation time of the six residuals, in samples, up to where the correlation first ends; 1 of so few
+    that nothing is told."""
+    if len(left) < 4:
+        return 1.0
     spectrum = np.abs(np.fft.rfft(left, n=2 * len(left), axis=0)) ** 2
     rho = np.fft.irfft(spectrum, axis=0)[: len(left) // 4]
     rho = rho / np.maximum(rho[0], 1e-300)
@@ -294,7 +306,8 @@ def reading_of_mu(mu: float, std: float, cause: str = UNKNOWN_CAUSE, criteria: M
     if abs(mu - 1.0) < max(criteria.mu_stds * std, criteria.mu_floor):
         return None
     said = f"The residual is {mu:.3g} times what the stated noise explains: "
-    return f"{said}{cause if mu > 1.0 else 'the noise is stated too large'}."
+    less = "the noise is stated too large, or the wrench is in another unit than is said (kgf and N differ by 9.81)"
+    return f"{said}{cause if mu > 1.0 else less}."
 
 
 def enough(ls: DynamicSolution, gtls: DynamicSolution, criteria: Moving = USUAL) -> bool:
@@ -303,8 +316,9 @@ def enough(ls: DynamicSolution, gtls: DynamicSolution, criteria: Moving = USUAL)
 
 
 def require_excitation(solution: DynamicSolution) -> None:
-    """Raises NotIdentifiable where no entry of the inertia was decided."""
-    if not solution.decided[4:10].any():
+    """Raises NotIdentifiable where no entry of the inertia was excited. Where one was, and is not decided, the residual
+    is more than noise: that is another fault."""
+    if not solution.excited:
         raise NotIdentifiable(
             "nothing in the excitation decides the inertia: turn the wrist about all three axes, faster", NAMES[4:]
         )

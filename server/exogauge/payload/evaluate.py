@@ -145,7 +145,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
     touched = postures.touched if postures else ()
-    warnings = [*saturation(payload, criteria), *touched, *stages.warnings, *_doubts(stages, rigid, missing, criteria)]
+    warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched,
+                *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
     if test:
         progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
     level = _level(payload, (rigid or stages).postures, logs.excitation, criteria)
@@ -154,6 +155,29 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
         payload, sign, stages, rigid, level, tests, touches, thresholds, imu, missing,
         tuple(dict.fromkeys(warnings)), criteria,
     )  # fmt: skip
+
+
+def told_clocks(payload: Payload) -> list[str]:
+    """A sentence for each log whose stamps were replaced."""
+    return [
+        f"{each.pose.file}, column '{payload.file.time.column}': stamps jitter by {1e3 * each.evened:.2g} ms though "
+        "samples were taken evenly, as the pose tells: replaced by the even clock beneath them."
+        for each in payload.recordings
+        if each.evened > 0.0
+    ]
+
+
+def _told_noise(payload: Payload, logs: _Logs) -> list[str]:
+    """A sentence for each log whose pose shows more noise than is stated."""
+    stated = payload.file.pose.noise_rad
+    return [
+        f"{recording.pose.file}: a channel of the pose scatters {each.motion.noisier:.2g} times as much as stated "
+        f"(`pose.noise_rad` {stated:g}{'' if recording.position is None else ', `noise_m`'}): taken as found. A clock "
+        "that is not that of the samples does the same."
+        for role, moved in zip(MOVED, (logs.excitation, logs.test, logs.contact), strict=True)
+        for recording, each in zip(payload.of(role), moved, strict=True)
+        if each.motion.noisier > 1.0
+    ]
 
 
 def _moved(
@@ -219,9 +243,13 @@ def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria:
         return unjudged(Caveat("noise_unknown"))
     body, gravity = excitation.chosen.value[:10], stages.gravity
 
+    at_rest = None if postures is None else postures.holds.noise
+
     def stretches(role: Role, moved: Sequence[Moved]) -> list[Stretch]:
         return [
-            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std, criteria.payload)
+            moving_stretch(
+                recording.name, each.motion, each.wrench, gravity, sign, body, std, criteria.payload, at_rest
+            )
             for recording, each in zip(payload.of(role), moved, strict=True)
         ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final, get_args
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.payload_doctor import USUAL, Complaining
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten
+from exogauge.logs.even_stamps import even_stamps
 from exogauge.logs.open_table import open_table
 from exogauge.logs.reading import refuse, time_faults, value_faults
 from exogauge.logs.tables import Table, as_vector, read_names
@@ -47,6 +48,7 @@ class Stream:
 class Recording:
     """wrench: (T, 6) as read. angles: (T, J) [rad] or None; rotation: (T, 9) R_BS or None; position: (T, 3) or None;
     acceleration: (T, 3) [m/s²] of the IMU in its own axes, or None. each_row: rows are postures, time is their number.
+    evened: std [s] of stamps that jittered though samples were taken evenly, and were replaced; 0 where none were.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Recording:
     position: Stream | None
     acceleration: Stream | None
     each_row: bool
+    evened: float = 0.0
 
     @property
     def pose(self) -> Stream:
@@ -165,6 +168,15 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, crit
     if imu is not None and set(imu.acceleration) <= names:
         acceleration = stream(imu.acceleration, imu.unit, "acceleration", imu.delay_s or 0.0)
     parts = [wrench, angles, rotation, position, acceleration]
+    evened = 0.0
+    pose_read = angles or rotation
+    if clocks is not None and pose_read is not None:
+        even = even_stamps(pose_read.time, pose_read.values)
+        evened = float(np.std(even - pose_read.time))
+        if evened > 0.0:
+            first, clock = pose_read.file, even
+            parts = [replace(each, time=clock - (clocks[first] - each.time)) if each and each.file == first else each
+                     for each in parts]  # fmt: skip
     if entry.span is not None:
         parts = [None if each is None else each.cut(*entry.span) for each in parts]
     present = [each for each in parts if each is not None]
@@ -175,7 +187,7 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, crit
         advice = "All files of a log must count time from the same instant; check `time.unit` and `span`."
         raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
     assert parts[0] is not None
-    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row)
+    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened)
 
 
 def _span(stream: Stream) -> str:

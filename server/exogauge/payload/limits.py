@@ -25,7 +25,7 @@ def saturation(payload: Payload, criteria: Criteria = USUAL) -> list[str]:
 
 
 def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
-    """Beyond the rated range, or cut off at a value below it."""
+    """Beyond the rated range, cut off at a value below it, or one value throughout."""
     rated = payload.file.sensor.range
     limits = np.full(6, np.inf) if rated is None else np.array([*rated.force_n, *rated.moment_nm])
     for name, values, limit in axes(payload, recording, limits):
@@ -35,6 +35,10 @@ def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL
             detail = f"{int(over.sum())} samples reach {np.abs(values).max():.4g}, the sensor is rated for {limit:.4g}"
             advice = "move slower or hold the payload nearer to the sensor; these samples are cut off"
             yield Finding("error", name, "saturated", detail, advice, row, float(np.abs(values).max()))
+        elif np.ptp(values) == 0.0 and len(values) >= criteria.payload.cut_off_judged:
+            detail = f"all {len(values)} samples are {values[0]:.4g}: nothing is read there"
+            advice = "check the cable, the driver and the name"
+            yield Finding("error", name, "stuck", detail, advice, 1, float(values[0]))
         else:
             yield from cut_off(name, values, criteria)
 

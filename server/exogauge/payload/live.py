@@ -88,7 +88,9 @@ class Live:
         self._last_used = -round(says.lately_s * rate_hz) - 1
         self._thawed = 0  # samples used since the estimate was frozen
         self._wrench = np.zeros((0, 6))
-        self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
+        self._held = Held(
+            np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros((0, 3, 2)), np.zeros(0, bool), np.zeros(0, bool)
+        )
         self._unlearned = list[tuple[SensorMotion, Array, NDArray[np.bool_], NDArray[np.bool_]]]()
         self._last_time = np.nan
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
@@ -148,14 +150,15 @@ class Live:
     def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
         """Rows wait until it is known that no alarm follows them."""
         start = self.start
-        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std, tipping=False)
+        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std)
         barred, alarms = alarm.copy(), np.flatnonzero(alarm)
         barred[: self._barred] = True
         for k in alarms:
             barred[k : k + self._after + 1] = True
             self._barred = int(k) + self._after + 1
         self._barred = max(self._barred - len(alarm), 0)
-        held = self._held.then(Held(rows.z, rows.noise, barred, trusted & exciting(rows, self._says)))
+        assert rows.tipped is not None
+        held = self._held.then(Held(rows.z, rows.noise, rows.tipped, barred, trusted & exciting(rows, self._says)))
         for k in alarms:
             at = len(held.barred) - len(alarm) + k
             held.barred[max(at - self._before, 0) : at] = True
@@ -163,7 +166,9 @@ class Live:
         use = held.exciting[:ripe] & ~held.barred[:ripe]
         self.left_out += int(np.sum(held.exciting[:ripe] & held.barred[:ripe]))
         if use.any():
-            self.fit.take(Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign))
+            self.fit.take(
+                Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign, held.tipped[:ripe][use])
+            )
             self._last_used = self._released + int(np.flatnonzero(use)[-1])
             self._thawed += int(use.sum())
         self._released += ripe
@@ -181,17 +186,19 @@ class Held:
 
     z: Array
     noise: Array
+    tipped: Array
     barred: NDArray[np.bool_]
     exciting: NDArray[np.bool_]
 
     def then(self, more: Held) -> Held:
         return Held(
             np.concatenate([self.z, more.z]), np.concatenate([self.noise, more.noise]),
+            np.concatenate([self.tipped, more.tipped]),
             np.concatenate([self.barred, more.barred]), np.concatenate([self.exciting, more.exciting]),
         )  # fmt: skip
 
     def after(self, k: int) -> Held:
-        return Held(self.z[k:], self.noise[k:], self.barred[k:], self.exciting[k:])
+        return Held(self.z[k:], self.noise[k:], self.tipped[k:], self.barred[k:], self.exciting[k:])
 
 
 @final

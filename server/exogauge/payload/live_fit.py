@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.criteria.payload_live import USUAL as AS_USUAL
 from exogauge.criteria.payload_live import Streaming
-from exogauge.payload.dynamics import Prior, Rows, prior_information
+from exogauge.payload.dynamics import Prior, Rows, of_prior, prior_information
 from exogauge.payload.total_least_squares import Recursion
 
 Array = NDArray[np.float64]
@@ -56,6 +56,7 @@ class LiveFit:
         kept = (self._says.blocks, 17, 17)
         self._sums, self._noise = np.zeros(kept), np.zeros(kept)
         self._meat, self._blocks, self._filled = np.zeros((16, 16)), 0, 0
+        self._across = np.zeros((4, 16, 2))
         self._recent, self._converged = list[Array](), False
         before = np.sqrt(np.diag(prior.covariance)) < self._surer * believed
         self._began = bool(before[4:10].all())  # with an inertia, or since something excited
@@ -66,6 +67,7 @@ class LiveFit:
             return
         self.recursion.run(rows.z, rows.noise)
         self.used += len(rows.z)
+        self._across += rows.across_tilting()
         first = 0
         while first < len(rows.z):
             last = min(first + self._says.block - self._filled, len(rows.z))
@@ -131,7 +133,7 @@ class LiveFit:
         # So few sums leave directions without any: as many blocks as numbers count as if residuals were white.
         meat = (count * meat + 16.0 * data) / (count + 16.0)
         inverse = np.linalg.inv(data + self._known)
-        covariance: Array = inverse @ (meat + self._known) @ inverse
+        covariance: Array = inverse @ (meat + of_prior(self._across, self._value, self.prior)) @ inverse
         return covariance if np.all(np.diag(covariance) > 0.0) else self.prior.covariance
 
     def _mu(self, v: Array) -> tuple[float | None, float | None]:

@@ -19,7 +19,7 @@ from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
 from exogauge.payload.prepare import std_of
 from exogauge.payload.sensor_motion import Chain
-from exogauge.payload.smoothing import likeliest
+from exogauge.payload.smoothing import likeliest, shown_std
 from exogauge.payload.stages import prior_of, stated_sign
 
 Array = NDArray[np.float64]
@@ -56,8 +56,8 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     std, density = _channels(payload, criteria)
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
-        Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour,
-        criteria,
+        Pose(chain, std, density, _even_period(payload)), gravity, sign, std_of(payload), prior, believed,
+        settings.false_alarms_per_hour, criteria,
     )  # fmt: skip
 
 
@@ -80,24 +80,33 @@ def _channels(payload: Payload, criteria: Criteria) -> tuple[Array, Array]:
     logs = [each for each in (*payload.of("excitation"), *payload.of("postures")) if not each.each_row]
     angles = len(file.pose.joints or ()) or 9
     stated = file.settings.jerk_density
-    turned = _densities([each.pose for each in logs], angles, file.pose.noise_rad, criteria)
+    stds, turned = _shown([each.pose for each in logs], angles, file.pose.noise_rad, criteria)
     if payload.tree is not None:
-        return np.full(angles, file.pose.noise_rad), turned if stated is None else np.full(angles, stated)
-    moved = _densities([each.position for each in logs if each.position is not None], 3, file.pose.noise_m, criteria)
-    std = np.repeat([file.pose.noise_rad, file.pose.noise_m], [9, 3])
+        return stds, turned if stated is None else np.full(angles, stated)
+    positions = [each.position for each in logs if each.position is not None]
+    std_moved, moved = _shown(positions, 3, file.pose.noise_m, criteria)
+    std = np.concatenate([np.full(9, stds.max()), std_moved])
     return std, np.concatenate([np.full(9, turned.max()), np.full(3, stated or moved.max())])
 
 
-def _densities(streams: Sequence[Stream], channels: int, std: float, criteria: Criteria) -> Array:
-    """(K,) of each channel, in the first log that moves it; the largest of all where none does."""
-    found = np.zeros(channels)
+def _even_period(payload: Payload) -> float | None:
+    """Of logs whose stamps jittered though samples were taken evenly."""
+    steps = [np.median(np.diff(each.pose.time)) for each in payload.recordings if each.evened > 0.0]
+    return float(np.median(steps)) if steps else None
+
+
+def _shown(streams: Sequence[Stream], channels: int, std: float, criteria: Criteria) -> tuple[Array, Array]:
+    """(K,) noise and jerk density of each, in the first log that moves it; as stated and the largest of all where none
+    does."""
+    stds, found = np.full(channels, std), np.zeros(channels)
     for each in streams:
         inside = each.time <= each.time[0] + criteria.payload_live.judged_s
         time, values = each.time[inside], each.values[inside]
         period = float(np.median(np.diff(time)))
         step = np.concatenate([[1.0], np.diff(time)]) / period
         for k in np.flatnonzero(found == 0.0):
-            z = np.ascontiguousarray(values[:, k] - values[0, k]) / std
-            if np.ptp(z) >= criteria.payload_dynamic.still_noises:
-                found[k] = likeliest(z, step) * std**2 / period**5
-    return np.where(found > 0.0, found, found.max() or criteria.payload_live.density)
+            from_first = values[:, k] - values[0, k]
+            if np.ptp(from_first) >= criteria.payload_dynamic.still_noises * std:
+                stds[k] = shown_std(from_first, step, std, criteria.payload_dynamic)
+                found[k] = likeliest(np.ascontiguousarray(from_first / stds[k]), step) * stds[k] ** 2 / period**5
+    return stds, np.where(found > 0.0, found, found.max() or criteria.payload_live.density)

@@ -24,11 +24,13 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Pose:
     """Which channels a sample has. chain: they are joint angles; None: nine entries of R_BS, then three of position.
-    std: (K,) [rad or m] of each. density: (K,) jerk density of each while it moves."""
+    std: (K,) [rad or m] of each. density: (K,) jerk density of each while it moves. even_s: period of samples that are
+    taken evenly though their stamps jitter; None where stamps say when."""
 
     chain: Chain | None
     std: Array
     density: Array
+    even_s: float | None = None
 
     @property
     def groups(self) -> NDArray[np.int64]:
@@ -94,6 +96,8 @@ class Track:
             self._quiet[:] = 0
         z = (values - self._zero) / self.pose.std
         h = (time - np.concatenate([[self._last], time[:-1]])) / self.period
+        if self.pose.even_s is not None:
+            h = np.maximum(np.round(h), 1.0) * self.pose.even_s / self.period
         out, moving = np.empty((len(z), len(self._scale), 3)), np.empty((len(z), len(self._quiet)))
         x, P, C, Z, H = self._ring
         given = slide(

@@ -46,7 +46,7 @@ def std_of(payload: Payload) -> Array:
 def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array | None]:
     """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
     rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
-    differ = list[Array]()
+    differ, scatter = list[Array](), list[Array]()
     for recording in payload.of("postures"):
         R, F, pose = recording.rotation, recording.wrench, recording.pose
         if recording.each_row:
@@ -69,6 +69,7 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
             wrench.append(inside.values.mean(axis=0))
             half = len(inside.time) // 2
             differ.append(inside.values[:half].mean(axis=0) - inside.values[half:].mean(axis=0))
+            scatter.append(inside.values.std(axis=0, ddof=1))
             counts.append(len(inside.time))
             spans.append((a, b))
             if recording.acceleration:
@@ -83,7 +84,8 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
         F_S = into_sensor(R_BS, F_S)
     std = std_of(payload) / np.sqrt(np.median(counts))
     unrest = np.sqrt(np.mean(np.square(differ), axis=0)) / 2 if len(differ) == len(F_S) else None
-    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans), unrest)
+    noise = np.median(scatter, axis=0) if scatter else None
+    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans), unrest, noise)
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 
 

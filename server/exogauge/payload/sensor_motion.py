@@ -26,7 +26,8 @@ class SensorMotion:
 
     time: (T,) [s]. rotation: (T, 3, 3) R_BS. acceleration: (T, 3) [m/s²] classical, of the origin, without gravity.
     alpha, omega: (T, 3) [rad/s², rad/s]. noise: (T, 9, K) root of the covariance of [a - g, α, ω] by the encoders.
-    edge: samples at either end that are known worse. density: of each filtered channel.
+    edge: samples at either end that are known worse. density: of each filtered channel. noisier: how many times the
+    stated noise a channel shows at most, 1 where that holds.
     """
 
     time: Array
@@ -37,6 +38,7 @@ class SensorMotion:
     noise: Array
     edge: int = 0
     density: Array | None = None
+    noisier: float = 1.0
 
     def regressor(self, gravity: Array) -> Array:
         """(T, 6, 10) A of [Payload] (5) for s = +1. gravity: (3,) [m/s²] in {B}."""
@@ -122,7 +124,7 @@ def from_joints(
         at = _settled(at, time, smoothed.edge)
         time, smoothed = at, at_times(smoothed, time, at)
     motion = Chain.of(tree, frame).motion(time, smoothed.state, smoothed.noise, gravity)
-    return replace(motion, edge=smoothed.edge, density=smoothed.density)
+    return replace(motion, edge=smoothed.edge, density=smoothed.density, noisier=float(smoothed.std.max()) / std)
 
 
 def from_pose(
@@ -146,7 +148,8 @@ def from_pose(
         time, turned.state, moved.state, turned.noise[int(np.argmax(turned.density))], moved.noise, gravity
     )
     edge = max(turned.edge, moved.edge)
-    return replace(motion, edge=edge, density=np.append(moved.density, turned.density.max()))
+    noisier = max(float(turned.std.max()) / std_angle, float(moved.std.max()) / std_position)
+    return replace(motion, edge=edge, density=np.append(moved.density, turned.density.max()), noisier=noisier)
 
 
 def _settled(at: Array, time: Array, edge: int) -> Array:

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 Kind = Literal["smoother", "fixed_lag", "causal"]
 
 LAG_S = 0.1  # of the fixed-lag smoother: at 250 Hz it leaves what the full smoother leaves
+RATIOS = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
 MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse is left (e⁻⁸)
 
 
@@ -27,12 +28,14 @@ MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse
 class Smoothed:
     """state: (T, J, 3) position, velocity, acceleration. density: (J,) jerk density [rad²/s⁵]. noise: (J, 3, 3) root
     with C = noise noiseᵀ, the covariance of the state's error by the noise of the positions alone.
-    edge: samples at either end where the state is worse than that."""
+    edge: samples at either end where the state is worse than that. std: (J,) [rad or m] noise of the positions: as
+    stated, or what they show where that is clearly more."""
 
     state: Array
     density: Array
     noise: Array
     edge: int
+    std: Array
 
 
 def smooth(
@@ -42,6 +45,7 @@ def smooth(
     """positions: (T, J) [rad or m] at time (T,) [s], with errors of `std`.
 
     density: None chooses each channel's by the likelihood of its innovations, which is done for still channels anyway.
+    Noise that is more than stated would be taken for motion: where innovations say so, it is taken as found.
     kind: `smoother` uses all samples (Rauch-Tung-Striebel), `fixed_lag` those up to 100 ms later, `causal` none later.
     """
     period = float(np.median(np.diff(time)))
@@ -50,18 +54,21 @@ def smooth(
     channels = positions.shape[1]
     state, noise, densities = np.empty((len(time), channels, 3)), np.empty((channels, 3, 3)), np.empty(channels)
     units = period ** -np.arange(3.0)
-    edge = 0
+    edge, stds = 0, np.full(channels, float(std))
     for j in range(channels):
-        z = (positions[:, j] - positions[0, j]) / std
-        moves = float(np.ptp(z)) >= criteria.still_noises
-        ratio = density * period**5 / std**2 if density is not None and moves else likeliest(z, step)
-        states = _pass(z, step, ratio, lag) * std * units
+        from_first = positions[:, j] - positions[0, j]
+        moves = float(np.ptp(from_first)) >= criteria.still_noises * std
+        if moves:
+            stds[j] = shown_std(from_first, step, std, criteria)
+        z = from_first / stds[j]
+        ratio = density * period**5 / stds[j] ** 2 if density is not None and moves else likeliest(z, step)
+        states = _pass(z, step, ratio, lag) * stds[j] * units
         state[:, j] = states
         state[:, j, 0] += positions[0, j]
-        densities[j] = ratio * std**2 / period**5
-        noise[j] = error_root(ratio, lag) * std * units[:, None]
+        densities[j] = ratio * stds[j] ** 2 / period**5
+        noise[j] = error_root(ratio, lag) * stds[j] * units[:, None]
         edge = max(edge, min(memory(ratio), len(time) // 4) if moves else 0)
-    return Smoothed(state, densities, noise, edge)
+    return Smoothed(state, densities, noise, edge, stds)
 
 
 def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
@@ -85,15 +92,30 @@ def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
 
 def likeliest(z: Array, step: Array) -> float:
     """Density in units of variance and period, by the likelihood of the innovations. z: (T,) in units of its noise."""
-    ratio = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
     x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
 
     def cost(exponent: float) -> float:
         logs, squares = forward(z, step, 10.0**exponent, x, P)
         return logs + squares
 
-    found = minimize_scalar(cost, bounds=ratio, method="bounded", options={"xatol": 0.02})
+    found = minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
     return float(10.0**found.x)
+
+
+def shown_std(positions: Array, step: Array, stated: float, criteria: Moving = USUAL) -> float:
+    """Noise of positions (T,) that move, in their unit: as stated, or where their innovations say clearly more, what
+    these say, its size and the density chosen together. step: (T,) in periods."""
+    z = np.ascontiguousarray(positions / stated)
+    x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
+    count = max(len(z) - WARM, 1)
+
+    def cost(exponent: float) -> float:
+        logs, squares = forward(z, step, 10.0**exponent, x, P)
+        return float(logs + count * np.log(max(squares, 1e-300) / count))
+
+    found = minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
+    shown = float(np.sqrt(innovation_variance(z, step, 10.0**found.x)))
+    return stated * shown if shown > criteria.noisier else stated
 
 
 def innovation_variance(z: Array, step: Array, ratio: float) -> float:

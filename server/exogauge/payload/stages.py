@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
+from exogauge.payload.clock_offset import clock_offset
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import (
     DynamicSolution,
@@ -25,12 +26,14 @@ from exogauge.payload.dynamics import (
     static_prior,
 )
 from exogauge.payload.intake import Payload, Recording
+from exogauge.payload.limits import saturated
 from exogauge.payload.other_units import moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
 from exogauge.payload.statics import (
     Holds,
     LeftOut,
     StaticSolution,
+    forces_among_moments,
     further_posture,
     leave_one_out,
     misread_rotation,
@@ -38,6 +41,8 @@ from exogauge.payload.statics import (
     told_sign,
     touched_postures,
 )
+from exogauge.payload.turned_axes import other_axes
+from exogauge.payload.turned_axes import said as said_of_axes
 from exogauge.studies.intake.robot_file import SIGN
 
 Array = NDArray[np.float64]
@@ -93,7 +98,7 @@ def postures_stage(
 ) -> Postures:
     """holds: every posture of every log. acceleration: (K, 3) of the IMU in each, if there is one. Raises BadStudy."""
     gravity, settings, limits = np.array(payload.file.gravity), payload.file.settings, criteria.payload
-    still = criteria.payload_static
+    still, sees = criteria.payload_static, payload.file.sensor.sees
     flat = np.all(holds.wrench[:, :3].std(axis=0) < limits.no_weight * holds.std[:3])
     if flat and not holds.alike(gravity, still):
         advice = "Is the payload on the sensor, and are these the columns of a sensor that is read?"
@@ -102,6 +107,15 @@ def postures_stage(
     misread = misread_rotation(holds, gravity, still)
     if misread is not None and payload.file.pose.quaternion is not None:
         _require_order(payload, holds, gravity, criteria)
+    turned = other_axes(holds, gravity, None if sees is None else _sign(sees), still)
+    first = payload.of("postures")[0]
+    if misread == "unexplained" and turned is not None:
+        detail, advice = said_of_axes(turned, payload.file.sensor.wrench, payload.file.sensor.frame or "")
+        name = payload.file.sensor.wrench[0]
+        raise BadStudy(Fault(detail, "other_axes", advice, first.wrench.file, None, name))
+    if misread == "unexplained" and forces_among_moments(holds, still):
+        detail, advice = "the weight is in the last three columns", "Name forces first, then moments: fx, fy, fz, mx, …"
+        raise BadStudy(Fault(detail, "forces_last", advice, payload.name, None, "sensor.wrench"))
     if misread is not None:
         detail, advice = {
             "transposed": ("the postures fit the transpose of this pose", "Give R_base_sensor: its columns are the "
@@ -113,7 +127,10 @@ def postures_stage(
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
     sign = told_sign(holds, gravity, still)
-    stated = payload.file.sensor.sees
+    stated = sees
+    if turned is not None and turned.angle is not None and turned.angle > np.radians(still.turned_deg):
+        detail, advice = said_of_axes(turned, payload.file.sensor.wrench, payload.file.sensor.frame or "")
+        warnings.append(f"{first.wrench.file}: {detail}. {advice}")
     if stated is not None and _sign(stated) != sign:
         other = next(name for name in ("payload_on_sensor", "sensor_on_payload") if name != stated)
         detail = "the weight points the other way than `sensor.sees` and `gravity` say"
@@ -179,9 +196,11 @@ def excitation_stage(
         if pushed:
             rows = rows_of(payload, moved, gravity, sign, keep)
             solution = dynamic_stage(rows, prior, method, criteria=deciding)
-    _require_units(payload, rows, criteria)
     with naming(payload.of("excitation")):
         require_excitation(solution)
+    if known and solution.mu > criteria.payload_dynamic.misfit:
+        _require_one_clock(payload, moved, gravity, solution.mu, criteria)
+    _require_units(payload, rows, criteria)
     by_method = {method: solution}
     by_method |= {
         each: dynamic_stage(rows, prior, each, criteria=deciding) for each in METHODS if known and each != method
@@ -218,13 +237,39 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
         return
     found = moments_over_forces(rows, criteria.payload)
     most = criteria.payload.other_ratio
-    if found is None or found[0] <= 0.0 or 1.0 / most <= found[0] <= most:
+    if found is None or 1.0 / most <= found[0] <= most:
         return
     ratio, std = found
+    if abs(ratio - 1.0) < criteria.payload_dynamic.mu_stds * std:
+        return
+    if any(True for each in payload.of("excitation") for _ in saturated(payload, each, criteria)):
+        return  # what is cut off or dead says nothing of units, and is told
+    if ratio < 0.0:
+        if 1.0 / most <= -ratio <= most:
+            file = payload.of("excitation")[0].wrench.file
+            detail = f"moments are {ratio:.4g} ± {std:.1g} times what forces say of the payload in motion"
+            advice = "Turn the sign of the three columns of the moment, or of the force: one is action, one reaction."
+            raise BadStudy(Fault(detail, "moments_reversed", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
+        return
     file, said = payload.of("excitation")[0].wrench.file, units_for(ratio, std, sensor.force_unit, sensor.moment_unit)
     detail = f"moments are {ratio:.4g} ± {std:.1g} times what forces say of the payload in motion: a unit is wrong"
     advice = f"Say {said}." if said else "Check `sensor.force_unit` and `sensor.moment_unit`."
     raise BadStudy(Fault(detail, "units_disagree", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
+
+
+def _require_one_clock(payload: Payload, moved: Sequence[Moved], gravity: Array, mu: float, criteria: Criteria) -> None:
+    """Raises BadStudy where the wrench fits the pose clearly better so much later or earlier that no filter does it."""
+    for recording, each in zip(payload.of("excitation"), moved, strict=True):
+        found = clock_offset(each.motion, each.wrench, gravity, std_of(payload), criteria.payload_dynamic)
+        if found is None or abs(found[0]) <= criteria.payload.latest_s:
+            continue
+        late, left = found
+        if left * criteria.payload_static.clearly**2 < mu:
+            detail = f"the wrench is {late:.3f} s {'late' if late > 0 else 'early'} against the pose"
+            detail = detail.replace("-", "")
+            advice = "Both must be stamped when they were measured, by one clock: take that off the wrench's stamps."
+            file = recording.wrench.file
+            raise BadStudy(Fault(detail, "clocks_apart", advice, file, None, payload.file.time.column, f"{late:.3f} s"))
 
 
 def _require_order(payload: Payload, holds: Holds, gravity: Array, criteria: Criteria) -> None:

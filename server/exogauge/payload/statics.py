@@ -29,7 +29,8 @@ class Holds:
 
     rotation: (K, 3, 3) R_BS. wrench: (K, 6) [N, N·m] means. std: (6,) [N, N·m] of a mean's error, from the sensor's
     noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in the log's time. unrest: (6,) rms
-    of half of what the two halves of a posture differ in: about `std`, more where something swings on.
+    of half of what the two halves of a posture differ in: about `std`, more where something swings on. noise: (6,) std
+    of a sample within a posture.
     """
 
     rotation: Array
@@ -38,6 +39,7 @@ class Holds:
     tilt_noise: float = 0.0
     spans: Array | None = None
     unrest: Array | None = None
+    noise: Array | None = None
 
     def __len__(self) -> int:
         return len(self.wrench)
@@ -48,7 +50,7 @@ class Holds:
 
     def only(self, keep: NDArray[np.bool_]) -> Holds:
         spans = None if self.spans is None else self.spans[keep]
-        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise, spans, self.unrest)
+        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise, spans, self.unrest, self.noise)
 
     def alike(self, gravity: Array, criteria: Standing = USUAL) -> bool:
         """Whether gravity, (3,) in {B}, pulls in the same direction of the sensor in all of them."""
@@ -312,6 +314,16 @@ def misread_rotation(holds: Holds, gravity: Array, criteria: Standing = USUAL) -
     if fitting:
         return max(fitting, key=lambda name: others[name][1])
     return "unexplained" if as_stated > criteria.unexplained_clearly * weight else None
+
+
+def forces_among_moments(holds: Holds, criteria: Standing = USUAL) -> bool:
+    """Whether a weight explains the moments as forces, and clearly better than the forces."""
+    shares = []
+    for part in (holds.wrench[:, 3:], holds.wrench[:, :3]):
+        A, b = force_columns(holds.rotation), part.ravel()
+        left = A @ np.linalg.lstsq(A, b)[0] - b
+        shares.append(float(np.sqrt(np.mean(left**2)) / max(float(np.ptp(part, axis=0).max()), 1e-300)))
+    return shares[0] < criteria.unexplained and criteria.clearly * shares[0] < shares[1]
 
 
 def _fit(A: Array, b: Array, std: float, method: Method, noise: Array) -> tuple[Array, Array, Array]:

@@ -86,10 +86,10 @@ def _sureness(
     for each in residuals:
         if not each.held_out or each.log not in floor or kind not in each.residual:
             continue
-        prediction = predictions[each.log]
+        prediction, told = predictions[each.log], predictions[each.log].channels()
         time = prediction.time - prediction.time[0]
         at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
-        error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
+        error = (told.measured[channel] - told.predicted[channel])[np.minimum(at, len(time) - 1)]
         least = resolved * float(np.max(np.abs(error), initial=1e-300))
         relative.append((error / max(floor[each.log], least)) ** 2)
     squares = np.concatenate(relative) if relative else np.zeros(0)

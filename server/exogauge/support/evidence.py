@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -14,9 +15,10 @@ from exogauge.devices.routing import Routing
 from exogauge.identification.disturbances import DRIFT, ZERO
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.result import Prediction
-from exogauge.identification.validate import predict_log
+from exogauge.identification.result import Channels, Prediction
+from exogauge.identification.validate import predict_log, prediction_of
 from exogauge.logs.derivatives import differentiate
+from exogauge.logs.model import Log
 from exogauge.support.at_rest import bridged, doubt_at_rest, scatter_at_rest
 from exogauge.support.balance import balance, of_this_log, prepare_worn, slopes
 from exogauge.support.difference import difference
@@ -217,9 +219,7 @@ def gather(
         slope_a=slope_a,
         own_b=own_b,
         own_a=own_a,
-        prediction=predict_log(
-            model.equations, prepared, model.identified, model.a_priori, model.k_T, True, model.prepared
-        ),
+        prediction=prediction_of(worn.log, True, model.equations, partial(_told, model, worn.log)),
         paired=None if pair is None else pair.torque,
         std_paired=std_pair,
         low_paired=None if pair is None else pair.middle - pair.half,
@@ -232,6 +232,11 @@ def gather(
         rest_a=rest_a,
         rest_b=at_rest,
     )
+
+
+def _told(model: RobotModel, log: Log) -> Channels:
+    prepared = prepare_worn(model, log)
+    return predict_log(model.equations, prepared, model.identified, model.a_priori, model.k_T, model.prepared)
 
 
 def on_joints(values: Array, routing: Routing, joints: IntArray) -> Array:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pytest
 
 from exogauge.devices.result import BandEstimate, Estimate, StiffnessResult
-from exogauge.identification.result import Prediction
+from exogauge.identification.result import Channels, Prediction
 from exogauge.remarks import About, Remark
 from exogauge.support.result import Best, Effort, JointEquality, JointSupport, PhaseEffort, SupportResult, Trial
 
@@ -45,15 +46,13 @@ def make_trial(device: str, motion: str, number: int) -> Trial:
     log = f"{motion}_{device.split()[0].lower()}_{number}"
     noise = rng.standard_normal(time.size)
     measured = {f"tau.{joint}": 12.0 * shape + noise + k for k, joint in enumerate(JOINTS)}
-    prediction = Prediction(
-        log,
-        True,
-        time,
+    channels = partial(
+        Channels,
         measured,
         {channel: values - noise for channel, values in measured.items()},
         {channel: 0.8 * values for channel, values in measured.items()},
-        dict.fromkeys(measured, "N·m"),
     )
+    prediction = Prediction(log, True, time, dict.fromkeys(measured, "N·m"), channels)
     length = 0.62 + 0.05 * shape
     return Trial(
         log=log,

@@ -30,7 +30,7 @@ from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Pl
 from exogauge.identification.model import RobotModel
 from exogauge.identification.noise_bias import noise_behind_stored
 from exogauge.identification.preparation import DRIVE
-from exogauge.identification.result import Identification, Prediction
+from exogauge.identification.result import Channels, Identification, Prediction
 from exogauge.identification.settings import Recording
 from exogauge.identification.validate import floors_of, rmse_in_steady_motion, unit_of
 from exogauge.logs.model import Log
@@ -134,7 +134,7 @@ def _surely_better(
     criteria, channels = before.model.criteria, [f"tau.{joint.name}" for joint in before.model.robot.joints]
     least, once = criteria.judging.least, criteria.judging.once
     gains = [
-        _gains(one, other, free[one.log], channels, criteria.judging.block_s)
+        _gains(one.time, (one.channels(), other.channels()), free[one.log], channels, criteria.judging.block_s)
         for one, other in zip(before.predictions, after.predictions, strict=True)
         if one.log in judges.logs
     ]
@@ -149,16 +149,19 @@ def _surely_better(
     return bool(parts.mean() > least and parts.mean() > sure * parts.std(ddof=1) / np.sqrt(len(parts)))
 
 
-def _gains(before: Prediction, after: Prediction, free: BoolArray, channels: Sequence[str], block_s: float) -> Array:
+def _gains(
+    time: Array, told: tuple[Channels, Channels], free: BoolArray, channels: Sequence[str], block_s: float
+) -> Array:
     """(joints, blocks) by how much the mean square error falls, over that of the joint in the whole log; NaN where a
-    joint rests. free: (T, joints) samples that count. channels: of all joints, of which some have no torque."""
-    block = ((before.time - before.time[0]) / block_s).astype(np.intp)
+    joint rests. told: before and after. free: (T, joints) samples that count. channels: of all joints, of which some
+    have no torque."""
+    block = ((time - time[0]) / block_s).astype(np.intp)
     found = []
     for axis, channel in enumerate(channels):
-        if channel not in before.measured:
+        if channel not in told[0].measured:
             continue
         own = free[:, axis]
-        errors = (each.measured[channel] - each.predicted[channel] for each in (before, after))
+        errors = (each.measured[channel] - each.predicted[channel] for each in told)
         error, smaller = (np.where(own, each, 0.0) for each in errors)
         count = np.bincount(block, own)
         gain = np.bincount(block, error**2 - smaller**2) / np.maximum(count, 1.0)
@@ -200,30 +203,37 @@ def _finding(
 def _held_out(before: Identification, after: Identification, judges: _Judges, free: Mapping[str, BoolArray]) -> HeldOut:
     """The joint torque that gains most in the logs that judge, at turns as well: it is there that a low-pass shows."""
     log = judges.logs[0] if judges.themselves and len(judges.logs) == 1 else ""
-    found = []
-    for axis, joint in enumerate(before.model.robot.joints):
+    found, errors = [], [_errors(each, free) for each in (before, after)]
+    for joint in before.model.robot.joints:
         channel = f"tau.{joint.name}"
         floors = [fit.noise_floor for fit in after.validation if fit.log in judges.logs and fit.channel == channel]
         if floors:
-            one, other = (_rmse(each, channel, axis, free) for each in (before, after))
+            one, other = (each[channel] for each in errors)
             floor = float(np.sqrt(np.mean(np.square(floors))))
             found.append(HeldOut(channel, unit_of(channel, before.model.robot), one, other, floor, log))
     return max(found, key=lambda each: each.rmse_before / max(each.rmse_after, 1e-300))
 
 
-def _rmse(found: Identification, channel: str, axis: int, free: Mapping[str, BoolArray]) -> float:
-    own = [each for each in found.predictions if each.log in free]
-    errors = [(each.measured[channel] - each.predicted[channel])[free[each.log][:, axis]] for each in own]
-    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
+def _errors(found: Identification, free: Mapping[str, BoolArray]) -> dict[str, float]:
+    """Channel of a joint's torque -> RMSE over the samples that count."""
+    errors: dict[str, list[Array]] = {}
+    for each in (one for one in found.predictions if one.log in free):
+        told = each.channels()
+        for axis, joint in enumerate(found.model.robot.joints):
+            channel = f"tau.{joint.name}"
+            if channel in told.measured:
+                error = (told.measured[channel] - told.predicted[channel])[free[each.log][:, axis]]
+                errors.setdefault(channel, []).append(error)
+    return {channel: float(np.sqrt(np.mean(np.concatenate(own) ** 2))) for channel, own in errors.items()}
 
 
 def _in_the_same_motion(before: Identification, after: Identification, limited: Sequence[Recording]) -> Identification:
     logs, model = {each.log.name: each.log for each in limited}, before.model
     floors, moving = floors_of(after.validation), dict[tuple[str, str], float | None]()
     for one in before.predictions:
-        prepared = after.model.prepare(logs[one.log])
-        own = {channel: floors[one.log, channel] for channel in one.predicted}
-        left = rmse_in_steady_motion(model.equations, prepared, one.measured, one.predicted, model.identified, own)
+        prepared, told = after.model.prepare(logs[one.log]), one.channels()
+        own = {channel: floors[one.log, channel] for channel in told.predicted}
+        left = rmse_in_steady_motion(model.equations, prepared, told.measured, told.predicted, model.identified, own)
         moving |= {(one.log, channel): rmse for channel, rmse in left.items()}
     fits = [
         replace(fit, rmse_moving=moving[fit.log, fit.channel], noise_floor=floors[fit.log, fit.channel].whole)
@@ -237,12 +247,17 @@ def _evidence(
 ) -> Evidence:
     axis = [f"tau.{joint.name}" for joint in before.model.robot.joints].index(channel)
     logs = {each.log.name: each.log for each in limited if each.log.name in judging}
+
+    def lacked(by: Prediction) -> Array:
+        told = by.channels()
+        return np.asarray(told.predicted[channel] - told.measured[channel])
+
     pairs = [
-        (one, other, after.model.prepare(logs[one.log]).raw_direction[:, axis])
+        (one.time, lacked(one), lacked(other), after.model.prepare(logs[one.log]).raw_direction[:, axis])
         for one, other in zip(before.predictions, after.predictions, strict=True)
         if one.log in logs
     ]
-    return turn_evidence(channel, pairs)
+    return turn_evidence(pairs)
 
 
 def _floor_of(model: RobotModel, limited: Sequence[Recording], channel: str) -> FloorOf:
@@ -257,19 +272,20 @@ def _floor_of(model: RobotModel, limited: Sequence[Recording], channel: str) -> 
     return "seen" if all(each[f"{drive}.{joint.name}"] is not None for each in behind) else "rounding"
 
 
-def turn_evidence(channel: str, pairs: Sequence[tuple[Prediction, Prediction, Array]]) -> Evidence:
-    """Mean residuals counted along the motion after the turn. pairs: (before, after, (T,) sign of the velocity).
+def turn_evidence(pairs: Sequence[tuple[Array, Array, Array, Array]]) -> Evidence:
+    """Mean residuals counted along the motion after the turn. pairs: of each log (T,) time, what the model before and
+    after lacks, and the sign of the velocity.
 
     Signs: torque that the joint gets and the model lacks, as in `evidence`.
     """
     bins = 25
     window_s = 0.6  # to both sides of a turn
     at, lacks = [], []
-    for before, after, direction in pairs:
+    for times, before, after, direction in pairs:
         turns = np.flatnonzero(direction[1:] * direction[:-1] < 0.0) + 1
-        step = float(np.median(np.diff(before.time)))
+        step = float(np.median(np.diff(times)))
         reach = round(window_s / step)
-        residuals = np.stack([each.predicted[channel] - each.measured[channel] for each in (before, after)])
+        residuals = np.stack([before, after])
         for turn in turns:
             near = np.arange(max(int(turn) - reach, 0), min(int(turn) + reach + 1, len(direction)))
             at.append((near - turn) * step)

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
+SEARCH = 0.05, 0.8  # shares of the whole: where the search begins, and where it ends
+Progress = Callable[[float, str], None]
 
 
 @final
@@ -48,9 +50,10 @@ class ExcitationPlan:
 
 def plan_excitation(
     path: Path, seconds: float, *, study: Path | None = None, result: Path | None = None, seed: int = 0,
-    criteria: MotionExcite = USUAL, report: Report | None = None, say: Callable[[str], None] = lambda words: None,
+    criteria: MotionExcite = USUAL, report: Report | None = None, say: Progress = lambda share, words: None,
 ) -> ExcitationPlan:  # fmt: skip
-    """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already.
+    """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already. say: told what is
+    done beside the search, and the share of the whole that lies before it; the search takes those of `SEARCH`.
 
     Raises BadInput; NotIdentifiable where no motion is within the bounds.
     """
@@ -62,21 +65,21 @@ def plan_excitation(
     task = task_of(robot, moving, seconds, criteria)
     known: Known | None = None
     if study is not None:
-        say("identifying from the study's logs")
+        say(0.01, "identifying from the study's logs")
         known = of_study(robot, study)
     elif result is not None:
         known = of_result(task.information.equations, result)
     if known is not None:
         task = task_of(robot, moving, seconds, criteria, known.information)
     x = best_motion(task, np.random.default_rng(seed), report)
-    say("every bound from rest to rest")
+    say(SEARCH[1], "every bound from rest to rest")
     for _ in range(criteria.shrinks):
         planned = Excited(task, x)
         nearest, judged = planned.largest(), _judged(planned)
         if nearest[0] <= 1.0 and not judged:
             break
         x = within(task, task.still + criteria.smaller * (x - task.still))  # the way there and back has bounds too
-    say("what will be known")
+    say(0.9, "what will be known")
     promise = promised(robot, [planned], known.logs if known else (), known.before if known else None)
     return ExcitationPlan(moving, planned, nearest, judged, promise)
 

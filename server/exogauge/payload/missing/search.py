@@ -198,9 +198,9 @@ def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]
 
 
 def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
-    """Whether any log's channel is above its floor by more than its samples' chance."""
-    for values in in_floors(problem, base.residual):
-        chance = np.sqrt(2.0 * correlation_time(values) / len(values))
+    """Whether any log's channel is above its floor by more than its samples' chance, and the floor's."""
+    for values, of in zip(in_floors(problem, base.residual), problem.stretches, strict=True):
+        chance = np.hypot(np.sqrt(2.0 * correlation_time(values) / len(values)), of.doubt)
         if np.any(np.mean(values**2, axis=0) > 1.0 + problem.criteria.judging.sure_above * chance):
             return True
     return False
@@ -263,7 +263,12 @@ def _judged(
         after = fit(base, more)
     before = _rms(base, fit(base, named), named, judges)
     then = _rms(base, after, more, judges)
-    return _Candidate(candidate, evidence, before, then) if then < before else None
+    if swings(candidate.effect) and not candidate.effect.unit:
+        value, std = numbers_with_std(problem, fit(problem, more), more, len(named))
+        if value[0] < problem.criteria.judging.significant * std[0]:
+            return None
+    worth = then**2 < (1.0 - problem.criteria.judging.least) * before**2
+    return _Candidate(candidate, evidence, before, then) if worth else None
 
 
 def _rms(problem: Problem, found: Fitted, named: Sequence[Named], judges: Sequence[Stretch]) -> float:

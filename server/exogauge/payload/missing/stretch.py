@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 class Stretch:
     """name: of the log. motion, wrench (T, 6) [N, N·m]. floor: (6,) std of a sample by noise of sensor and kinematics.
     rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}. still: means of postures. use: (T,) which
-    samples count. memory: how many of them count as one. block: samples whose mean is one row."""
+    samples count. memory: how many of them count as one. block: samples whose mean is one row. doubt: std of the square
+    of a floor, in shares of it."""
 
     name: str
     motion: SensorMotion
@@ -36,6 +37,7 @@ class Stretch:
     still: bool = False
     memory: float = 1.0
     block: int = 1
+    doubt: float = 0.0
 
     @property
     def time(self) -> Array:
@@ -62,16 +64,20 @@ class Stretch:
 
 def moving_stretch(
     name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, stated: Array,
-    criteria: Carrying = USUAL,
+    criteria: Carrying = USUAL, at_rest: Array | None = None,
 ) -> Stretch:  # fmt: skip
     """The floor is what is measured above all motion, and what the kinematics' noise makes of a body (10,). stated:
-    (6,) std of a sample, for wrenches without noise."""
+    (6,) std of a sample, for wrenches without noise. at_rest: (6,) of a sample in postures, where coloured noise shows
+    what lies below that, too; believed up to what is stated, as something may swing there."""
     rate = 1.0 / float(np.median(np.diff(motion.time)))
     read = np.array([white_noise_std(each, rate, criteria.above_motion * rate / 2) for each in wrench.T])
+    if at_rest is not None:
+        read = np.maximum(read, np.minimum(at_rest, stated))
     slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
     by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
     floor = np.maximum(np.sqrt(read**2 + by_motion), criteria.least_noise * stated)
-    return _stretch(name, motion, wrench, gravity, sign, floor)
+    doubt = float(np.sqrt(2.0 / (criteria.median_efficiency * len(wrench))))
+    return replace(_stretch(name, motion, wrench, gravity, sign, floor), doubt=doubt)
 
 
 def still_stretch(holds: Holds, gravity: Array, sign: int, criteria: Carrying = USUAL) -> Stretch:

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from exogauge.identification.result import Prediction
+from exogauge.identification.result import Channels, Prediction
 
 Array = NDArray[np.float64]
 
@@ -55,13 +55,16 @@ STYLE = {
 }
 
 
-def draw_series(prediction: Prediction, channels: Sequence[str], notes: Mapping[str, str], key: str) -> str:
-    """One panel per channel over time. notes: text at a panel's upper right. key: prefix that makes ids unique."""
+def draw_series(
+    prediction: Prediction, told: Channels, channels: Sequence[str], notes: Mapping[str, str], key: str
+) -> str:
+    """One panel per channel over time. told: of the prediction. notes: text at a panel's upper right. key: prefix that
+    makes ids unique."""
     with matplotlib.rc_context({**STYLE, "text.parse_math": False}):  # names are text, even with a $ in them
         figure = sheet(9.0, 1.15, len(channels))
         axes = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, channel in zip(axes, channels, strict=True):
-            _panel(axis, prediction, channel)
+            _panel(axis, prediction, told, channel)
             axis.set_title(label(channel), loc="left", fontsize=9.5, fontweight="bold", color=COLOURS["--ink"], pad=4)
             axis.set_title(notes.get(channel, ""), loc="right", fontsize=8.5, color=COLOURS["--muted"], pad=4)
         axes[-1].set_xlabel("time [s]")
@@ -95,11 +98,11 @@ def sheet(width: float, panel: float, panels: int, top: float = 0.25) -> Figure:
     return figure
 
 
-def _panel(axis: Any, prediction: Prediction, channel: str) -> None:
+def _panel(axis: Any, prediction: Prediction, told: Channels, channel: str) -> None:
     lines: tuple[tuple[Mapping[str, Array], str], ...] = (
-        (prediction.measured, "--measured"),
-        (prediction.predicted_prior, "--prior"),
-        (prediction.predicted, "--identified"),
+        (told.measured, "--measured"),
+        (told.predicted_prior, "--prior"),
+        (told.predicted, "--identified"),
     )
     axis.grid(axis="y")
     for values, colour in lines:

@@ -8,7 +8,7 @@ from typing import Any, final
 
 from markupsafe import Markup
 
-from exogauge.identification.result import Identification, Prediction
+from exogauge.identification.result import Channels, Identification, Prediction
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.report.figures import draw_curve, draw_series, label
 from exogauge.studies.report.plan_section import plan_rows
@@ -92,22 +92,26 @@ def _drawings(found: Identification, pooled: Sequence[Summary], held_out: bool) 
     firsts = [logs[repeated[0]] for repeated in repeats(logs).values()]
     drawings = []
     for k, prediction in enumerate(firsts[:MAX_DRAWN_LOGS]):
-        fits = [fit for fit in found.validation if fit.log == prediction.log]
+        fits, told = [fit for fit in found.validation if fit.log == prediction.log], prediction.channels()
         notes = {
             fit.channel: f"RMSE {significant(fit.rmse_prior)} → {significant(fit.rmse_identified)} {fit.unit}"
             for fit in fits
         }
         for part, channels in zip("abc", figure_channels(fits, trunk), strict=True):
-            present = [channel for channel in channels if channel in prediction.measured]
+            present = [channel for channel in channels if channel in told.measured]
             if present:
-                drawings.append(_drawing(prediction, present, notes, f"f{k}{part}"))
+                drawings.append(_drawing(prediction, told, present, notes, f"f{k}{part}"))
     return drawings
 
 
-def _drawing(prediction: Prediction, channels: Sequence[str], notes: Mapping[str, str], key: str) -> Drawing:
+def _drawing(
+    prediction: Prediction, told: Channels, channels: Sequence[str], notes: Mapping[str, str], key: str
+) -> Drawing:
     shown = "; ".join(f"{label(channel)}: {notes.get(channel, 'no error stated')}" for channel in channels)
     words = f"Measured, identified and a-priori curves over time on log {prediction.log}. {shown}."
-    return Drawing(Markup(draw_series(prediction, channels, notes, key)), words, prediction.log, prediction.held_out)
+    return Drawing(
+        Markup(draw_series(prediction, told, channels, notes, key)), words, prediction.log, prediction.held_out
+    )
 
 
 def _curve(found: Identification) -> dict[str, Any] | None:

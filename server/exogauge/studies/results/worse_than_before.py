@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from exogauge.errors import BadLog, Fault
 from exogauge.identification.preparation import DRIVE, needed_channels
 from exogauge.identification.prior import joint_prior
-from exogauge.identification.result import Identification
+from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Recording
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.words.notices import Notice, notice
 
 Array = NDArray[np.float64]
@@ -63,22 +64,31 @@ def held_out_errors(found: Identification, recordings: Sequence[Recording]) -> I
     logs = {each.log.name: each.log for each in recordings if each.held_out}
     robot = found.model.robot
     coupled = np.abs(robot.axes_from_joints - np.eye(len(robot.joints))).sum(axis=0) > 0.0
-    for k, joint in enumerate(robot.joints):
-        channel = f"tau.{joint.name}"
-        before, after, size = list[Array](), list[Array](), list[Array]()
-        for each in found.predictions:
-            if each.log not in logs or channel not in each.measured:
+    sums = {joint.name: np.zeros(3) for joint in robot.joints}
+    samples = dict.fromkeys(sums, 0)
+
+    def of_log(each: Prediction) -> dict[str, Array]:
+        told, found = each.channels(), dict[str, Array]()
+        for k, joint in enumerate(robot.joints):
+            channel = f"tau.{joint.name}"
+            if channel not in told.measured:
                 continue
-            measured, left = each.measured[channel], each.measured[channel] - each.predicted[channel]
-            left_before = each.measured[channel] - each.predicted_prior[channel]
+            measured, left = told.measured[channel], told.measured[channel] - told.predicted[channel]
+            left_before = told.measured[channel] - told.predicted_prior[channel]
             if joint.actuation == "current" and not coupled[k]:
                 current, k_T = logs[each.log].channels[f"{DRIVE['current']}.{joint.name}"], joint_prior(joint, "k_T")
                 used = float(measured @ current) / max(float(current @ current), 1e-300)  # N·m/A in which it is told
                 left = left / max(abs(used), 1e-6 * k_T)
-                measured, left_before = current, current - each.predicted_prior[channel] / k_T
-            before.append(left_before)
-            after.append(left)
-            size.append(measured)
-        if before:
-            was, now, whole = (float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for e in (before, after, size))
-            yield joint.name, WORSE * was + NOTHING * whole, now
+                measured, left_before = current, current - told.predicted_prior[channel] / k_T
+            found[joint.name] = np.array([np.sum(one**2) for one in (left_before, left, measured)])
+        return found
+
+    held_out = [each for each in found.predictions if each.log in logs]
+    for prediction, squares in zip(held_out, side_by_side(of_log, held_out), strict=True):
+        for name, each in squares.items():
+            sums[name] += each
+            samples[name] += prediction.time.size
+    for name, count in samples.items():
+        if count:
+            was, now, whole = (float(each) for each in np.sqrt(sums[name] / count))
+            yield name, WORSE * was + NOTHING * whole, now

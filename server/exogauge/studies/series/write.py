@@ -49,12 +49,13 @@ def series_table(prediction: Prediction, trial: Trial | None = None, moved: Move
     trial: for a log with a device, its supporting torques, phases and bands as well. moved: for how its joints moved.
     """
     columns = Columns(prediction.time)
+    told = prediction.channels()
     parts = (
-        ("measured", prediction.measured),
-        ("predicted", prediction.predicted),
-        ("predicted_prior", prediction.predicted_prior),
+        ("measured", told.measured),
+        ("predicted", told.predicted),
+        ("predicted_prior", told.predicted_prior),
     )
-    for channel in prediction.measured:
+    for channel in told.measured:
         for part, values in parts:
             if channel in values:
                 columns.add(f"{part}.{channel}", values[channel], prediction.units.get(channel, ""))

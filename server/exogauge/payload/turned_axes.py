@@ -1,0 +1,87 @@
+"""Whether a wrench is written in other axes than those of the sensor's frame: turned, exchanged or reversed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.payload_static import USUAL, Standing
+from exogauge.payload.statics import Holds, force_columns
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class OtherAxes:
+    """Q: (3, 3) what is read of a force in the frame's axes: f_read = Q f; a rotation, or one with a mirror. angle:
+    [rad] of the turn; None with a mirror. aligned: whether Q exchanges and reverses axes and does nothing else."""
+
+    Q: Array
+    angle: float | None
+    aligned: bool
+
+    @property
+    def rpy(self) -> tuple[float, float, float]:
+        """Of the frame, seen from the one that was named, in whose axes the wrench is written: [rad], as in a URDF."""
+        R = self.Q.T
+        pitch = float(np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])))
+        if np.hypot(R[0, 0], R[1, 0]) < 1e-9:
+            return float(np.arctan2(-R[1, 2], R[1, 1])), pitch, 0.0
+        return float(np.arctan2(R[2, 1], R[2, 2])), pitch, float(np.arctan2(R[1, 0], R[0, 0]))
+
+
+def other_axes(holds: Holds, gravity: Array, sign: int | None, criteria: Standing = USUAL) -> OtherAxes | None:
+    """What explains the forces of the postures clearly better than the frame's own axes, gravity's direction (3,) in
+    {B} taken as stated; None where nothing does, or too few directions of gravity are among them.
+
+    f = -s m g Q d + f_0, d the direction of gravity in {S}. sign: s, where it is stated; else Q is a rotation.
+    """
+    f, R = holds.wrench[:, :3], holds.rotation
+    d = np.einsum("kji,j->ki", R, gravity / np.linalg.norm(gravity))
+    columns = np.column_stack([d, np.ones(len(d))])
+    singular = np.linalg.svd(columns, compute_uv=False)
+    if len(d) < 6 or singular[-1] < criteria.seen_axes * singular[0]:
+        return None
+    A = force_columns(R)
+    stated = A @ np.linalg.lstsq(A, f.ravel())[0] - f.ravel()
+    M = np.linalg.lstsq(columns, f)[0][:3].T  # f = M d + f_0
+    U, size, Vt = np.linalg.svd(M)
+    turn = np.asarray(U @ Vt)
+    s = sign if sign is not None else (1 if np.linalg.det(turn) < 0.0 else -1)
+    Q = -s * turn
+    left = f - float(np.mean(size)) * d @ turn.T
+    left = left - left.mean(axis=0)
+    if criteria.clearly * float(np.sqrt(np.mean(left**2))) > float(np.sqrt(np.mean(stated**2))):
+        return None
+    nearest = np.round(Q)
+    aligned = bool(np.abs(Q - nearest).max() < criteria.aligned and np.any(nearest != np.eye(3)))
+    mirrored = np.linalg.det(Q) < 0.0
+    angle = None if mirrored else float(np.arccos(np.clip((np.trace(Q) - 1.0) / 2.0, -1.0, 1.0)))
+    return OtherAxes(np.asarray(nearest if aligned else Q), angle, aligned)
+
+
+def said(found: OtherAxes, columns: tuple[str, ...], frame: str) -> tuple[str, str]:
+    """What was found of the first three columns, and advice."""
+    of = f"`{frame}`" if frame else "the sensor"
+    if found.aligned:
+        reads = []
+        for name, row in zip(columns[:3], found.Q, strict=True):
+            k = int(np.argmax(np.abs(row)))
+            if (name, row[k]) != (columns[k], 1.0):
+                reads.append(f"{name!r} reads what {'-' if row[k] < 0 else '+'}{'xyz'[k]} of {of} should")
+        detail = f"the wrench is written in other axes than those of {of}: {', '.join(reads)}"
+    elif found.angle is None:
+        detail = f"the wrench is written in axes that are mirrored against those of {of}"
+    else:
+        detail = f"the wrench's axes stand {np.degrees(found.angle):.3g}° off those of {of}"
+    if found.angle is None:
+        return (
+            detail,
+            "Check the order and the signs of `sensor.wrench`, force and moment alike, and those of the joints.",
+        )
+    rpy = " ".join(f"{each:.4f}" for each in np.array(found.rpy) + 0.0)
+    return detail, f"Name the frame whose axes they are: in the URDF, one fixed to {of} with rpy={rpy!r}."

@@ -1,0 +1,171 @@
+"""What a motion that identifies promises, against what comes of it: recorded by MuJoCo on robots drawn about the stated
+one, with sensors' noise, identified, and compared with the truth.
+
+`python -m tests.bench.excite_proof [ROBOTS]`. Ratios are geometric means over base parameters of what the random motion
+leaves over what the planned one does: promised, of standard deviations; found, of errors' root mean squares over the
+robots. The random motion is the median one of `tests.bench.excite`. `again`: errors after the first motion twice over
+those after the first and another one that was planned knowing its log.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy is imported
+
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from tests.bench.excite import RANDOM, SECONDS, base_std, task
+from tests.motion.robots import ARMS, arm_folder
+
+from exogauge.criteria.motion_excite import USUAL
+from exogauge.experiment.envelope import random_motion, within
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
+from exogauge.motion.excite.excited import Excited
+from exogauge.motion.excite.known import information_of
+from exogauge.motion.excite.plan import plan_excitation
+from exogauge.motion.excite.promise import promised
+from exogauge.motion.excite.search import best_motion
+from exogauge.motion.excite.task import task_of
+from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.description import Robot
+from exogauge.studies.intake.robot_file import load_robot
+from exogauge.terminal import text_table
+
+Array = NDArray[np.float64]
+RATE_HZ, ROBOTS, DEVIATES = 200.0, 8, 0.1
+AS_NUMBERS = Settings(prior_strength=1.0)  # the robots are drawn as the prior says
+
+
+def report(robots: int = ROBOTS) -> None:
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ARMS:
+            rows.append([name, *proved(arm_folder(Path(folder) / name, name), robots)])
+            print(*rows[-1], flush=True)
+    print(f"\n{robots} robots each, recorded by MuJoCo")
+    heads = ("robot", "promised", "found", "planned: error / std", "random: error / std", "again, mean ln", "median")
+    print(text_table(heads, rows))
+
+
+def proved(path: Path, robots: int) -> list[str]:
+    robot = load_robot(path.parent, path.name)
+    first = plan_excitation(path, SECONDS).planned
+    other = Excited(first.task, usual_random(path))
+    said = [doubt(robot, [each]) for each in (first, other)]
+    rng = np.random.default_rng(5)
+    missed: list[list[Array]] = [[], [], [], []]
+    second: Excited | None = None
+    for _ in range(robots):
+        urdf = drawn(path.parent / "robot.urdf", rng)
+        truth = base_of(path, urdf)
+        logs = [recorded(urdf, robot, each, f"{k}", rng) for k, each in enumerate((first, other, first))]
+        if second is None:
+            found = identify(robot, [Recording(logs[0], False)], AS_NUMBERS)
+            moving = load_motion_robot(path)
+            of = task_of(robot, moving, SECONDS, USUAL, information_of(found))
+            second = Excited(of, best_motion(of, np.random.default_rng(1)))
+        logs.append(recorded(urdf, robot, second, "3", rng))
+        for which, used in enumerate(([0], [1], [0, 2], [0, 3])):
+            fitted = identify(robot, [Recording(logs[k], False) for k in used], AS_NUMBERS)
+            told = [each.value for each in fitted.parameters if each.name.startswith("base[")]
+            missed[which].append(np.array(told) - truth)
+    planned, by_chance, repeated, knowing = (np.sqrt(np.mean(np.square(each), axis=0)) for each in missed)
+    again = np.log(repeated / knowing)
+    return [
+        f"{np.exp(np.mean(np.log(said[1] / said[0]))):.2f}", f"{np.exp(np.mean(np.log(by_chance / planned))):.2f}",
+        f"{np.median(planned / said[0]):.2f}", f"{np.median(by_chance / said[1]):.2f}",
+        f"{again.mean():+.3f}", f"{np.median(again):+.3f}",
+    ]  # fmt: skip
+
+
+def usual_random(path: Path) -> Array:
+    """The one that leaves the median doubt of those that leave less of the two kinds."""
+    slower = replace(USUAL, top_hz=USUAL.top_hz / 2)
+    of, slow = task(path, USUAL), task(path, slower)
+    drawn = [within(of, random_motion(of, np.random.default_rng(100 + seed))) for seed in range(RANDOM)]
+    doubts = [float(np.median(base_std(of, x))) for x in drawn]
+    beside = [float(np.median(base_std(slow, within(slow, random_motion(slow, np.random.default_rng(100 + seed))))))
+              for seed in range(RANDOM)]  # fmt: skip
+    print(f"median doubt of random motions {np.median(doubts):.3g}, of half as fast ones {np.median(beside):.3g}")
+    return drawn[int(np.argsort(doubts)[RANDOM // 2])]
+
+
+def doubt(robot: Robot, planned: list[Excited]) -> Array:
+    """(B,) promised."""
+    return np.array([each.std for each in promised(robot, planned).certain if each.kind == "base"])
+
+
+def drawn(urdf: Path, rng: np.random.Generator) -> bytes:
+    """Every link's mass, centre and inertia as far off as its prior says; what cannot be is drawn anew."""
+    root = ElementTree.fromstring(urdf.read_bytes())
+    for link in root.iter("link"):
+        for what in ("visual", "collision"):
+            for each in link.findall(what):
+                link.remove(each)
+        inertial = link.find("inertial")
+        if inertial is None:
+            continue
+        factor = float(np.exp(DEVIATES * rng.standard_normal()))
+        mass, inertia, origin = inertial.find("mass"), inertial.find("inertia"), inertial.find("origin")
+        assert mass is not None
+        assert inertia is not None
+        mass.set("value", repr(factor * float(mass.get("value", "0"))))
+        turned = factor * float(np.exp(DEVIATES * rng.standard_normal()))
+        for key, value in inertia.attrib.items():
+            inertia.set(key, repr(turned * float(value)))
+        if origin is not None:
+            centre = np.array([float(each) for each in origin.get("xyz", "0 0 0").split()])
+            centre *= np.exp(DEVIATES * rng.standard_normal(3))
+            origin.set("xyz", " ".join(repr(float(each)) for each in centre))
+    return ElementTree.tostring(root)
+
+
+def base_of(path: Path, urdf: bytes) -> Array:
+    """(B,) of the robot that is true."""
+    folder = path.parent / "true"
+    folder.mkdir(exist_ok=True)
+    (folder / "robot.urdf").write_bytes(urdf)
+    (folder / "robot.yaml").write_bytes(path.read_bytes())
+    true = load_robot(folder, "robot.yaml")
+    moving = replace(load_motion_robot(path), shapes=())
+    base = task_of(load_robot(path.parent, path.name), moving, SECONDS).information.equations.base
+    return np.asarray(base.regroup @ true.tree.phi.ravel())
+
+
+def recorded(urdf: bytes, robot: Robot, planned: Excited, name: str, rng: np.random.Generator) -> Log:
+    """By MuJoCo's inverse dynamics, with the noise that robot.yaml states."""
+    as_it_is = b'<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco></robot>'
+    model = mujoco.MjSpec.from_string(urdf.replace(b"</robot>", as_it_is).decode()).compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.dof_damping[:] = model.dof_frictionloss[:] = model.dof_armature[:] = 0.0
+    data = mujoco.MjData(model)
+    time = np.arange(int(planned.duration * RATE_HZ)) / RATE_HZ
+    names = planned.task.stance.robot.joints
+    at = np.array([model.joint(each).dofadr[0] for each in names])
+    q, v, a = planned.at(time)
+    torque = np.empty((len(time), len(at)))
+    for t in range(len(time)):
+        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        data.qpos[at], data.qvel[at], data.qacc[at] = q[t], v[t], a[t]
+        mujoco.mj_inverse(model, data)
+        torque[t] = data.qfrc_inverse[at]
+    channels = {}
+    for k, joint in enumerate(names):
+        if joint in {each.name for each in robot.joints}:
+            channels[f"q.{joint}"] = q[:, k] + robot.noise["q"] * rng.standard_normal(len(time))
+            channels[f"tau.{joint}"] = torque[:, k] + robot.noise["tau"] * rng.standard_normal(len(time))
+    return Log(name, time, channels)
+
+
+if __name__ == "__main__":
+    report(*(int(each) for each in sys.argv[1:2]))

@@ -1,0 +1,163 @@
+"""Recorded elsewhere, as laboratories do: what is told is the truth within its interval, or what is wrong is said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from tests.payload import foreign
+
+from exogauge.errors import BadStudy, NotIdentifiable
+from exogauge.payload.evaluate import Evaluation, evaluate
+from exogauge.payload.intake import open_payload
+from exogauge.payload.live import Known, Live
+from exogauge.payload.live_start import open_start, start_of
+
+Array = NDArray[np.float64]
+
+
+def off(found: Evaluation, truth: foreign.Truth) -> Array:
+    """(16,) errors in standard deviations."""
+    assert found.stages.excitation is not None
+    chosen = found.stages.excitation.chosen
+    return np.asarray((chosen.value - truth.x) / chosen.std)
+
+
+def evaluated(folder: Path) -> Evaluation:
+    return evaluate(open_payload(folder))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["plain", "jitter", "colour"])
+def test_intervals_hold_whoever_recorded(kind: str, tmp_path: Path) -> None:
+    errors, named = [], 0
+    for seed in range(6):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        spoil = foreign.stamps_jitter(seed) if kind == "jitter" else None
+        truth = foreign.write(folder, seed, spoil=spoil, colour=0.5 if kind == "colour" else 0.0)
+        found = evaluated(folder)
+        errors.append(off(found, truth))
+        named += found.missing.decision.verdict != "none"
+        assert bool([each for each in found.warnings if "stamps jitter" in each]) == (kind == "jitter")
+    # Sixteen numbers of six payloads, hardly 60 of them independent: 0.95 less three standard errors.
+    assert np.mean(np.abs(errors) < 1.96) > 0.87
+    assert np.abs(errors).max() < 4.5
+    assert named <= 1
+
+
+@pytest.mark.slow
+def test_noisy_angles_are_not_taken_for_motion(tmp_path: Path) -> None:
+    """Encoders that err six times as much as is stated."""
+    rng = np.random.default_rng(1)
+
+    def spoil(_name: str, table: Array) -> Array:
+        noise = 6.0 * foreign.ANGLE_NOISE * rng.standard_normal((len(table), 5))
+        return np.column_stack([table[:, 0], table[:, 1:6] + noise, table[:, 6:]])
+
+    truth = foreign.write(tmp_path, 3, spoil=spoil)
+    found = evaluated(tmp_path)
+    assert np.abs(off(found, truth)).max() < 4.0
+    assert found.stages.excitation is not None
+    assert found.stages.excitation.chosen.mu < 1.3
+    assert [each for each in found.warnings if "shake.csv" in each and "pose.noise_rad" in each]
+
+
+@pytest.mark.slow
+def test_live_numbers_hold_though_gravity_and_stamps_are_only_known_so_well(tmp_path: Path) -> None:
+    errors = []
+    for seed in range(4):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        truth = foreign.write(folder, seed, spoil=foreign.stamps_jitter(seed), tests=False)
+        payload = open_payload(folder)
+        _, whole = open_start(folder)
+        still = replace(payload, recordings=tuple(payload.of("postures")))
+        live = Live(replace(start_of(still), pose=whole.pose), foreign.RATE)
+        log, known = payload.of("excitation")[0], None
+        for k in range(0, len(log.pose.time), 20):
+            part = slice(k, k + 20)
+            for each in live.push(log.pose.time[part], log.pose.values[part], log.wrench.values[part]):
+                known = each if isinstance(each, Known) else known
+        assert known is not None
+        assert known.estimate.state == "converged"
+        errors.append((known.estimate.value - truth.x) / known.estimate.std)
+    assert np.mean(np.abs(errors) < 1.96) > 0.85
+    assert np.abs(errors).max() < 4.5
+
+
+QUARTER = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def late(_name: str, table: Array) -> Array:
+    return np.column_stack([table[60:, :6], table[:-60, 6:]])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "rule", "told"),
+    [
+        (foreign.wrench(lambda w: np.hstack([w[:, :3] @ QUARTER.T, w[:, 3:] @ QUARTER.T])), "other_axes",
+         "'FT_X' reads what +y of `hand` should, 'FT_Y' reads what -x of `hand` should"),
+        (foreign.wrench(lambda w: w[:, [1, 0, 2, 4, 3, 5]]), "other_axes", "'FT_X' reads what +y of `hand` should"),
+        (foreign.wrench(lambda w: w[:, [3, 4, 5, 0, 1, 2]]), "forces_last", "forces first"),
+        (foreign.wrench(lambda w: w * np.repeat([1.0, -1.0], 3)), "moments_reversed", "action"),
+        (late, "clocks_apart", "0.480 s late"),
+        (foreign.wrench(lambda w: -w), "sees_contradicted", "sensor_on_payload"),
+    ],
+    ids=["turned", "exchanged", "forces last", "moments reversed", "late", "reversed"],
+)  # fmt: skip
+def test_what_was_done_wrong_is_named(spoil: foreign.Spoil, rule: str, told: str, tmp_path: Path) -> None:
+    foreign.write(tmp_path, 2, spoil=spoil)
+    with pytest.raises(BadStudy) as refused:
+        evaluated(tmp_path)
+    assert refused.value.faults[0].rule == rule
+    assert told in str(refused.value)
+
+
+def test_axes_that_stand_a_little_off_are_told_with_their_angle(tmp_path: Path) -> None:
+    c, s = np.cos(np.radians(5.0)), np.sin(np.radians(5.0))
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    foreign.write(tmp_path, 4, spoil=foreign.wrench(lambda w: np.hstack([w[:, :3] @ turn.T, w[:, 3:] @ turn.T])))
+    payload = open_payload(tmp_path)
+    found = evaluate(replace(payload, recordings=tuple(payload.of("postures"))))
+    told = next(each for each in found.warnings if "off those of `hand`" in each)
+    angle = float(told.split("stand ")[1].split("°")[0])
+    assert abs(angle - 5.0) < 1.5  # the base leans by 1°, which nobody knows before
+
+
+def test_no_motion_is_said_to_be_none_and_no_unit_is_blamed(tmp_path: Path) -> None:
+    foreign.write(tmp_path, 5, size=1e-5)
+    with pytest.raises(NotIdentifiable, match="turn the wrist"):
+        evaluated(tmp_path)
+
+
+@pytest.mark.slow
+def test_a_sensor_zeroed_before_the_motion_is_named_and_not_called_a_poor_motion(tmp_path: Path) -> None:
+    def zeroed(name: str, table: Array) -> Array:
+        held = table[:40, 6:].mean(axis=0) if name != "still" else 0.0
+        return np.column_stack([table[:, :6], table[:, 6:] - held])
+
+    truth = foreign.write(tmp_path, 6, spoil=zeroed)
+    found = evaluated(tmp_path)
+    assert ("zero_of_log", "shake") in {(each.effect, each.place) for each in found.missing.found}
+    assert np.abs(off(found, truth)[:10]).max() < 4.0
+
+
+@pytest.mark.slow
+def test_three_postures_do_and_a_dead_channel_is_told(tmp_path: Path) -> None:
+    foreign.write(tmp_path, 7, postures=3)
+    assert evaluated(tmp_path).stages.postures is not None
+
+    def dead(_name: str, table: Array) -> Array:
+        return np.column_stack([table[:, :8], np.full(len(table), 21.5), table[:, 9:]])
+
+    foreign.write(tmp_path, 7, spoil=dead)
+    assert [each for each in evaluated(tmp_path).warnings if "'FT_Z'" in each and "all" in each]
+
+
+def test_a_wrench_in_another_unit_is_asked_for_where_its_noise_is_too_small(tmp_path: Path) -> None:
+    foreign.write(tmp_path, 8, spoil=foreign.wrench(lambda w: w / 9.80665))
+    assert [each for each in evaluated(tmp_path).warnings if "kgf" in each]
