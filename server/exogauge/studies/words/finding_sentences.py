@@ -46,7 +46,7 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.TOO_SMALL: "it is there, and smaller than what matters ({value:.2g} where the sensors' noise is {beside:.2g})",
     Why.SMALL_BESIDE: "it is small beside {effects}, and may be what that one's formula does not hold",
     Why.UNDER_SUPPORT: "it is less than the noise and {percent:.0f}{space}% of the support where it shows most",
-    Why.NOISE_ALONE: "{percent:.0f}{space}% of what it takes off the error is noise of the sensors that it smooths",
+    Why.NOISE_ALONE: "what it takes off the error is to {percent:.0f}{space}% noise of the sensors, which it smooths",
     Why.AT_FLOOR: "the error is no more than the noise floor without it",
     Why.ONCE: "it happens once, so nothing can be held out, and the evidence is not overwhelming",
     Why.PARTIAL: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
