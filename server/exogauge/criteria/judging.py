@@ -185,12 +185,6 @@ class Carrying:
     above_motion: float = criterion(
         0.6, "of half the rate", "from where on only noise is heard: no arm moves there", judgement(PAYLOAD)
     )
-    median_efficiency: float = criterion(
-        0.15,
-        "1",
-        "of the samples, as many as would tell a variance as well: median deviations, of two fifths of the band",
-        derived("0.37 · 0.4, as of `noise_falls` and `above_motion`"),
-    )
     latest_s: float = criterion(
         0.05,
         "s",

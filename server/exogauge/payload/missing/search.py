@@ -198,9 +198,9 @@ def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]
 
 
 def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
-    """Whether any log's channel is above its floor by more than its samples' chance, and the floor's."""
-    for values, of in zip(in_floors(problem, base.residual), problem.stretches, strict=True):
-        chance = np.hypot(np.sqrt(2.0 * correlation_time(values) / len(values)), of.doubt)
+    """Whether any log's channel is above its floor by more than its samples' chance: there a name is looked for."""
+    for values in in_floors(problem, base.residual):
+        chance = np.sqrt(2.0 * correlation_time(values) / len(values))
         if np.any(np.mean(values**2, axis=0) > 1.0 + problem.criteria.judging.sure_above * chance):
             return True
     return False

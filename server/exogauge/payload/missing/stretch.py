@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 class Stretch:
     """name: of the log. motion, wrench (T, 6) [N, N·m]. floor: (6,) std of a sample by noise of sensor and kinematics.
     rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}. still: means of postures. use: (T,) which
-    samples count. memory: how many of them count as one. block: samples whose mean is one row. doubt: std of the square
-    of a floor, in shares of it."""
+    samples count. memory: how many of them count as one. block: samples whose mean is one row."""
 
     name: str
     motion: SensorMotion
@@ -37,7 +36,6 @@ class Stretch:
     still: bool = False
     memory: float = 1.0
     block: int = 1
-    doubt: float = 0.0
 
     @property
     def time(self) -> Array:
@@ -76,8 +74,7 @@ def moving_stretch(
     slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
     by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
     floor = np.maximum(np.sqrt(read**2 + by_motion), criteria.least_noise * stated)
-    doubt = float(np.sqrt(2.0 / (criteria.median_efficiency * len(wrench))))
-    return replace(_stretch(name, motion, wrench, gravity, sign, floor), doubt=doubt)
+    return _stretch(name, motion, wrench, gravity, sign, floor)
 
 
 def still_stretch(holds: Holds, gravity: Array, sign: int, criteria: Carrying = USUAL) -> Stretch:
