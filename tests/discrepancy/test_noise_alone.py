@@ -10,6 +10,8 @@ from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.verdict import Why
 from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording
+from exogauge.search import search
 
 pytestmark = pytest.mark.slow
 
@@ -21,8 +23,19 @@ def found(robot, recordings):
     return find_missing_effects(identify(robot, recordings, WIDE), recordings, effects, WIDE).discrepancy
 
 
-def test_a_spring_that_would_smooth_a_noisy_acceleration_is_not_named(robot, study):
-    said = found(robot, study(nothing, encoder=2e-5, noise=0.02))
+def test_a_spring_that_would_smooth_a_noisy_acceleration_is_not_named(robot, study, record, monkeypatch):
+    noise = {"encoder": 2e-5, "noise": 0.02}
+    recordings = [*study(nothing, **noise), Recording(record(10, **noise), True)]
+    taken, in_any_order = search.noise_taken, []
+
+    def asked_twice(model, judged, rows, some):
+        in_any_order.append((taken(model, judged, rows, some), taken(model, judged, rows, some[::-1])))
+        return in_any_order[-1][0]
+
+    monkeypatch.setattr(search, "noise_taken", asked_twice)
+    said = found(robot, recordings)
+    assert in_any_order
+    assert all(one == other for one, other in in_any_order)  # logs are looked at side by side
     assert said.findings == ()
     whys = {each.effect: each.objection.why for each in said.rejected}
     assert whys["elasticity"] == Why.NOISE_ALONE

@@ -30,11 +30,11 @@ def noise_taken(
     rows: of the candidate's site, in all logs; recordings: all.
     """
     known = known_noise(model.robot, [each.log for each in recordings], model.cutoff_hz)
-    rng = np.random.default_rng(0)
 
     def noisier(log: Log) -> Prepared:
-        prepared = model.prepare(log)
-        return with_noise(model.robot, prepared, draw_noise(model.robot, prepared, rng, known), 1.0, model.at_rest)
+        prepared = model.prepare(log)  # a draw of its own: logs are prepared side by side, in no order
+        noise = draw_noise(model.robot, prepared, np.random.default_rng(0), known)
+        return with_noise(model.robot, prepared, noise, 1.0, model.at_rest)
 
     candidate, own = judged.score.candidate, model.equations.columns()
     some = [each for each in recordings if each.log.name in judged.logs]
