@@ -24,6 +24,7 @@ from exogauge.api.jobs import JobOut
 from exogauge.api.routing import Router
 from exogauge.errors import Unavailable
 from exogauge.jobs import requests
+from exogauge.storage.job_tables import ENDED
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Installation, Storage
 from exogauge.storage.tables import Job
@@ -33,7 +34,6 @@ router = Router(tags=["jobs"])
 
 LOOK_EVERY_S = 0.25
 AT_ONCE = 500  # jobs in one statement
-ENDED = ("succeeded", "failed", "cancelled")
 LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=100)]
 Seen = tuple[int, requests.Place | None]  # revision, place in the queue
 GONE: Seen = (-1, None)

@@ -16,12 +16,12 @@ from exogauge.logs.resampling import is_even, uniform
 Array = NDArray[np.float64]
 
 
-def times_rougher(log: Log, positions: Sequence[str]) -> tuple[float, float] | None:
+def times_rougher(log: Log, resampled: Log, positions: Sequence[str]) -> tuple[float, float] | None:
     """Roughness of positions at the stamps and counted as even, each over the other; None where the clock is even or
-    nothing can be told. log: without a gap."""
+    nothing can be told. log: without a gap. resampled: the same at its stamps."""
     if is_even(log.time) or not positions:
         return None
-    as_stamped, as_counted = (_roughness(each, positions) for each in (uniform(log), log))
+    as_stamped, as_counted = (_roughness(each, positions) for each in (resampled, log))
     return as_stamped / max(as_counted, 1e-300), as_counted / max(as_stamped, 1e-300)
 
 
@@ -36,7 +36,7 @@ def even_stamps(time: Array, positions: Array) -> Array:
         line = np.polynomial.Polynomial.fit(np.arange(b - a), time[a:b], 1)
         even[a:b] = line(np.arange(b - a))
         log = Log("part", time[a:b], {name: positions[a:b, k] for k, name in enumerate(names)})
-        told = times_rougher(log, names)
+        told = times_rougher(log, uniform(log), names)
         tell += [told] * (b - a) if told is not None else []
     if not tell or np.median(tell, axis=0)[0] <= LOGS.rougher or not np.all(np.diff(even) > 0.0):
         return time

@@ -74,14 +74,15 @@ def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
 def _on_even_clock(log: Log) -> Log:
     """Whether samples were taken when their stamps say, or evenly, positions tell: at the wrong one they are rough."""
     positions = [name for name, values in log.channels.items() if name.startswith("q.") and np.isfinite(values).all()]
-    told = times_rougher(log, positions)
+    resampled = uniform(log)
+    told = times_rougher(log, resampled, positions)
     if told is None:
         return log
     as_stamped, as_counted = told
     varies = f"sample periods vary by {100.0 * float(np.std(np.diff(log.time))) * log.rate_hz:.2g} %"
     if as_counted > LOGS.rougher:
         detail = f"{varies}: resampled to an even clock, on which positions are {as_counted:.2g} times smoother"
-        return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
+        return replace(resampled, part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
     if as_stamped > LOGS.rougher:
         detail = f"{varies} by their stamps alone, as positions are {as_stamped:.2g} times smoother on an even clock"
         even = np.linspace(log.time[0], log.time[-1], log.samples)

@@ -265,8 +265,7 @@ def _require_one_clock(payload: Payload, moved: Sequence[Moved], gravity: Array,
             continue
         late, left = found
         if left * criteria.payload_static.clearly**2 < mu:
-            detail = f"the wrench is {late:.3f} s {'late' if late > 0 else 'early'} against the pose"
-            detail = detail.replace("-", "")
+            detail = f"the wrench is {abs(late):.3f} s {'late' if late > 0 else 'early'} against the pose"
             advice = "Both must be stamped when they were measured, by one clock: take that off the wrench's stamps."
             file = recording.wrench.file
             raise BadStudy(Fault(detail, "clocks_apart", advice, file, None, payload.file.time.column, f"{late:.3f} s"))

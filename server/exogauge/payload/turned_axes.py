@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.payload_static import USUAL, Standing
@@ -25,13 +26,10 @@ class OtherAxes:
     aligned: bool
 
     @property
-    def rpy(self) -> tuple[float, float, float]:
-        """Of the frame, seen from the one that was named, in whose axes the wrench is written: [rad], as in a URDF."""
-        R = self.Q.T
-        pitch = float(np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])))
-        if np.hypot(R[0, 0], R[1, 0]) < 1e-9:
-            return float(np.arctan2(-R[1, 2], R[1, 1])), pitch, 0.0
-        return float(np.arctan2(R[2, 1], R[2, 2])), pitch, float(np.arctan2(R[1, 0], R[0, 0]))
+    def rpy(self) -> Array:
+        """(3,) of the frame, seen from the one that was named, in whose axes the wrench is written: [rad], as in a
+        URDF."""
+        return np.asarray(pin.rpy.matrixToRpy(self.Q.T))
 
 
 def other_axes(holds: Holds, gravity: Array, sign: int | None, criteria: Standing = USUAL) -> OtherAxes | None:
@@ -83,5 +81,5 @@ def said(found: OtherAxes, columns: tuple[str, ...], frame: str) -> tuple[str, s
             detail,
             "Check the order and the signs of `sensor.wrench`, force and moment alike, and those of the joints.",
         )
-    rpy = " ".join(f"{each:.4f}" for each in np.array(found.rpy) + 0.0)
+    rpy = " ".join(f"{each:.4f}" for each in found.rpy + 0.0)
     return detail, f"Name the frame whose axes they are: in the URDF, one fixed to {of} with rpy={rpy!r}."

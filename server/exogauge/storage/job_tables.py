@@ -11,7 +11,8 @@ from sqlalchemy.orm import Mapped, mapped_column
 from exogauge.storage.database import FiniteFloat, UtcDateTime
 from exogauge.storage.table_kinds import PATH, SHA256, UUID, Base, Owned, one_of, referred, within_lab
 
-STATES = ("queued", "running", "succeeded", "failed", "cancelled")
+ENDED = ("succeeded", "failed", "cancelled")
+STATES = ("queued", "running", *ENDED)
 LIVE_STATES = ("queued", "running", "succeeded")  # what makes an equal request the same job
 OWNERS = ("study", "payload", "motion", "plan")  # what a job can be of
 ONE_OWNER = " + ".join(f"(CASE WHEN {noun}_id IS NULL THEN 0 ELSE 1 END)" for noun in OWNERS) + " = 1"

@@ -17,15 +17,15 @@ from sqlalchemy.orm import Session
 from exogauge.errors import Conflict, NotFound
 from exogauge.settings import Settings
 from exogauge.storage.database import database_now
+from exogauge.storage.job_tables import ENDED
 from exogauge.storage.orphans import batches
 from exogauge.storage.rows import record
 from exogauge.storage.store import Installation
 from exogauge.storage.tables import Delivery, IdempotencyKey, Job, Log, PayloadFile, Publication, Study, StudyFile
 
 ACTOR = "housekeeping"
-ENDED = ("succeeded", "failed", "cancelled")
-AT_ONCE = 500  # rows in one transaction
-MOST = 20_000  # rows of a table in one go; the next hour's goes on
+AT_ONCE = 500  # judgement: rows in one transaction, as of `orphans`: short enough to hold up nobody
+MOST = 20_000  # judgement: rows of a table in one go, so that a lease does not end meanwhile; the next hour's goes on
 QUIET = {"synchronize_session": False}
 Which = sa.ColumnElement[bool]
 

@@ -47,9 +47,8 @@ from exogauge.studies.results.discrepancy_results import (
     planned_files,
 )
 from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
-from exogauge.studies.results.examine_logs import examine_logs
+from exogauge.studies.results.examine_logs import examine_logs, without_other_clocks
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
-from exogauge.studies.results.other_clocks import without_other_clocks
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over

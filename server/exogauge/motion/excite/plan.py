@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
-SEARCH = 0.05, 0.8  # shares of the whole: where the search begins, and where it ends
+SEARCH = 0.05, 0.8  # judgement: of what is shown as done, where the search begins and ends; it takes most of the time
 Progress = Callable[[float, str], None]
 
 

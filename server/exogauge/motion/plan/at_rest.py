@@ -18,8 +18,8 @@ from exogauge.robots.moving.standing import base_on, home_of, standing
 Array = NDArray[np.float64]
 PRESSURE = "centre of pressure"
 MARGINS = 12  # halvings of a margin: to .1 mm
-SHARES = 7  # halvings of a share: to .01
-FLAT_M = 1e-3  # by which a corner of a sole may rise
+BENDS = 7  # halvings of a share of the legs' bend: to .01, as it is told
+FLAT_M = 1e-3  # judgement: by which a corner of a sole may rise in what is proposed; a floor is no flatter
 
 
 @final
@@ -81,7 +81,7 @@ def _less_bent(robot: MotionRobot, criteria: MotionPlan) -> float | None:
     if not bears(0.0):
         return None
     low, high = 0.0, 1.0
-    for _ in range(SHARES):
+    for _ in range(BENDS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if bears(middle) else (low, middle)
     return low

@@ -1,8 +1,9 @@
-"""The doctor's visit to a study's logs: what the robot lets one expect, and the findings as entries of results.json."""
+"""The doctor's visit to a study's logs: what the robot lets one expect, the findings as entries of results.json, and
+which logs are left out for them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -10,10 +11,12 @@ from typing import Any
 from exogauge.criteria.criteria import Criteria
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
-from exogauge.plausibility.examine import examine_against_robot
+from exogauge.plausibility.examine import OTHER_CLOCK, examine_against_robot
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.results.document import finite
+from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
 
 STANDARD_GRAVITY = 9.80665
@@ -36,6 +39,24 @@ def examine_logs(
     return [
         _entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted, criteria.comparison), *alone)
     ]
+
+
+def without_other_clocks(
+    recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]], kept: frozenset[str]
+) -> tuple[list[Recording], list[Notice]]:
+    """The recordings that are used, and what is told of the others. findings: of the doctor. kept: recordings
+    that stay, as runs with the device are compared with them.
+
+    All stay where no fitted log would be left.
+    """
+    late = {each["log"]: float(each["value"]) for each in findings if each["rule"] == OTHER_CLOCK}
+    gone = [each for each in recordings if each.log.name in late and each.log.recording not in kept]
+    used = [each for each in recordings if each not in gone]
+    if not gone or all(each.held_out for each in used):
+        return list(recordings), []
+    names = tuple(each.log.name for each in gone)
+    remark = Remark(About.LOGS_LEFT_OUT, names, tuple((late[name],) for name in names))
+    return used, [notice(remark)]
 
 
 def _entry(log: str, finding: Finding) -> dict[str, Any]:
