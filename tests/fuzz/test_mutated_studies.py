@@ -212,6 +212,7 @@ def test_a_log_whose_efforts_are_of_another_clock_is_neither_fitted_nor_judged_b
     (told,) = [each for each in found[1]["notices"] if each["code"] == "logs_left_out"]
     assert told["names"] == [fitted[0]]
     assert told["each"][0][0] == pytest.approx(0.4, abs=0.05)
+    assert told["sentence"] in (tmp_path / "late_out" / "summary.html").read_text()
     assert fitted[0] not in {each["log"] for each in found[1]["identification"]["validation"]}
     for then, now in zip(*(each["identification"]["joints"] for each in found), strict=True):
         for name in ("k_T", "tau_c", "k_d"):
