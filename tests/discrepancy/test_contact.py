@@ -196,6 +196,17 @@ def test_what_recurs_or_stays_is_no_contact(study, look, hidden):
     assert look(study(NO_CONTACT[hidden])) is None
 
 
+@pytest.mark.parametrize("at_its_end", [False, True])
+def test_what_a_log_begins_or_ends_with_is_no_contact(robot, record, look, at_its_end):
+    """A drive that settles as recording starts, in one log alone."""
+
+    def settling(motion):
+        since = motion.t[-1] - motion.t if at_its_end else motion.t
+        return 6.0 * np.exp(-((since / 0.8) ** 2))[:, None] * (np.arange(3) == 1)
+
+    assert look([Recording(record(1, settling), False), Recording(record(2), False), Recording(record(9), True)]) is None
+
+
 def test_a_little_push_within_the_noise_is_not_named(touched, pushed, look):
     assert look(touched(pushed("j3", [0.05, 0.05, 0.05], 12.0, 0.4), 1)) is None
 

@@ -112,7 +112,14 @@ def pushes(model: RobotModel, recordings: Sequence[Recording], known: Sequence[P
 def _one_force(push: Push, criteria: Touching) -> bool:
     known = push.force > criteria.force_known * push.force_std
     small, long = push.force < criteria.largest_n, push.duration > criteria.briefest_s
-    return push.share > criteria.explained and small and long and known
+    return push.share > criteria.explained and small and long and known and _begins_and_ends(push)
+
+
+def _begins_and_ends(push: Push) -> bool:
+    """Within its log: what was there from its first sample on, or to its last, may be a drive that settles."""
+    first, last = push.rows.time[[0, -1]]
+    stop_std = np.hypot(push.start_std, push.duration_std)
+    return bool(first < push.start - push.start_std and push.stop + stop_std < last)
 
 
 def _own_jolt(model: RobotModel, push: Push, logs: Sequence[LogRows], next_gain: float) -> bool:
