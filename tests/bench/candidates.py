@@ -42,7 +42,7 @@ def measure(samples: int) -> Searched:
     both = time.process_time() - start
     start = time.process_time()
     for site, sums in ground.fitted.by_site.items():
-        list(score_all(model, ground.summed[site], sums, ground.memory))
+        list(score_all(ground.baseline, ground.summed[site], sums))
     scored = time.process_time() - start
     count = sum(len(each) for each in ground.summed.values())
     return Searched(len(model.robot.joints), samples, count, identified, both - scored, scored)

@@ -204,7 +204,9 @@ def test_what_a_log_begins_or_ends_with_is_no_contact(robot, record, look, at_it
         since = motion.t[-1] - motion.t if at_its_end else motion.t
         return 6.0 * np.exp(-((since / 0.8) ** 2))[:, None] * (np.arange(3) == 1)
 
-    assert look([Recording(record(1, settling), False), Recording(record(2), False), Recording(record(9), True)]) is None
+    assert (
+        look([Recording(record(1, settling), False), Recording(record(2), False), Recording(record(9), True)]) is None
+    )
 
 
 def test_a_little_push_within_the_noise_is_not_named(touched, pushed, look):

@@ -26,7 +26,7 @@ def case(study, identified):
     recordings = study()
     model = identified(recordings).model
     candidate = Candidate(shaped_effects()["asym_viscous"], SITE, ())
-    score = Score(candidate, 1.0, 100.0, np.ones(1), np.zeros(model.equations.size), 1.0)
+    score = Score(candidate, 1.0, 100.0, np.ones(1), *np.zeros((2, model.equations.size)), 1.0)
     return model, collect_rows(model, recordings, [SITE])[SITE], score
 
 

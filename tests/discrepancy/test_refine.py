@@ -10,7 +10,7 @@ from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
 from exogauge.search.refine import closest, refined
-from exogauge.search.score import residual_memory, score
+from exogauge.search.score import Baseline, residual_memory, score
 from exogauge.search.site_rows import collect_rows, sums_of
 
 AXIS = 1
@@ -35,9 +35,10 @@ def fitted_to(identified):
         samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
         memory = dict.fromkeys(range(len(model.equations.layout)), samples)
         tried = [Candidate(shaped_effects()[effect], SITE, shape) for shape in grid(shaped_effects()[effect])]
-        scores = [score(model, each, sums_of(rows, each.effect, each.shape), memory) for each in tried]
+        baseline = Baseline(model, memory)
+        scores = [score(baseline, each, sums_of(rows, each.effect, each.shape)) for each in tried]
         best = max((each for each in scores if each is not None), key=lambda each: each.gain)
-        return model, rows, best, refined(model, best, rows, memory)
+        return model, rows, best, refined(baseline, best, rows)
 
     return run
 
@@ -59,12 +60,12 @@ def test_whichever_value_of_the_grid_it_begins_with_it_finds_the_same_shape(fitt
     samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
     memory = dict.fromkeys(range(len(model.equations.layout.rows)), samples)
     effect = best.candidate.effect
-    begun = [score(model, Candidate(effect, SITE, shape), sums_of(rows, effect, shape), memory)
-             for shape in grid(effect)]  # fmt: skip
+    baseline = Baseline(model, memory)
+    begun = [score(baseline, Candidate(effect, SITE, shape), sums_of(rows, effect, shape)) for shape in grid(effect)]
     near = [each for each in begun if each is not None and each.gain > 0.5 * finer.gain]
     assert (0.6, 1.0) in [each.candidate.shape for each in near]
     for each in near:
-        assert refined(model, each, rows, memory).gain > 0.995 * finer.gain, each.candidate.shape
+        assert refined(baseline, each, rows).gain > 0.995 * finer.gain, each.candidate.shape
 
 
 def test_shapes_keep_to_their_bounds(fitted_to, study):
@@ -114,8 +115,8 @@ def test_from_the_two_best_values_of_the_grid_the_summit_is_found_where_one_ends
         ground = lay_ground(model, recordings, [shaped_effects()["nonlinear_viscous"]], lambda *_: None)
         of_grid = [each for each in ground.scores if each.candidate.site == SITE]
         rows = collect_rows(model, recordings, [SITE])[SITE]
-        of_each = [refined(model, each, rows, ground.memory).gain for each in of_grid]
-        return np.array([of_each[0], closest(model, of_grid, rows, ground.memory).gain]) / max(of_each)
+        of_each = [refined(ground.baseline, each, rows).gain for each in of_grid]
+        return np.array([of_each[0], closest(ground.baseline, of_grid, rows).gain]) / max(of_each)
 
     first, both = np.transpose([ends(1.4, 0.3), ends(1.8, 0.3), ends(1.8, 0.2), ends(2.0, 0.3)])
     assert first.min() < 0.9

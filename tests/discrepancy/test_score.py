@@ -6,10 +6,9 @@ import pytest
 from exogauge.effects.base_tilt import BaseTilt
 from exogauge.effects.catalogue import missing_effects, shaped_effects
 from exogauge.effects.imu_tilt import ImuTilt
-from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.sites import AxisSite, BaseSite, PairSite, seen_by
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
-from exogauge.search.score import residual_memory, score
+from exogauge.search.score import Baseline, residual_memory, score
 from exogauge.search.sums import KindSums, Sums
 
 MEMORY = dict.fromkeys(range(20), 5.0)
@@ -17,17 +16,18 @@ MEMORY = dict.fromkeys(range(20), 5.0)
 
 @pytest.fixture(scope="module")
 def case(study, on_joint, identified):
-    """(model, fitted logs prepared, where the baseline's cost is least) of an arm whose third joint rubs one way."""
+    """(baseline, fitted logs prepared, the model's own solution) of an arm whose third joint rubs one way."""
     recordings = study(on_joint(2, lambda m: 0.3 * np.maximum(m.v, 0.0)))
     model = identified(recordings).model
     solution = model.solution
-    least = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
-    return model, [model.prepare(each.log) for each in recordings if not each.held_out], least.x
+    fitted = [model.prepare(each.log) for each in recordings if not each.held_out]
+    return Baseline(model, MEMORY), fitted, solution.unbounded.x
 
 
 @pytest.fixture(scope="module")
 def scored(case):
-    model, logs, x = case
+    baseline, logs, x = case
+    model = baseline.model
 
     def of(name, axis, shape):
         site = AxisSite(axis)
@@ -36,7 +36,7 @@ def scored(case):
             sums.take(
                 model.equations, prepared, x, {site: columns_of([candidate], site.see(model, prepared), prepared, 1)}
             )
-        return score(model, candidate, sums.by_site[site], MEMORY)
+        return score(baseline, candidate, sums.by_site[site])
 
     return of
 
@@ -51,7 +51,7 @@ def dense(model, logs, candidate=None):
             delivered = columns_of([candidate], candidate.site.see(model, prepared), prepared, 1).every[:, :, 0]
         for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
             for chunk in chunks:
-                root = np.sqrt(model.solution.weights[chunk.kind])
+                root = np.sqrt(model.solution.weights[chunk.kind] / MEMORY[chunk.kind])
                 full = np.zeros((len(chunk.samples), equations.size + width))
                 full[:, kinds[chunk.kind]] = chunk.block[:, :-1]
                 if candidate and chunk.kind == equations.layout.axis(candidate.site.axis):
@@ -74,21 +74,23 @@ def dense(model, logs, candidate=None):
     ("name", "axis", "shape"), [("asym_viscous", 2, ()), ("torque_ripple", 1, (7.3,)), ("torque_delay", 0, ())]
 )
 def test_the_gain_is_what_fitting_everything_again_would_take_off_the_cost(case, scored, name, axis, shape):
-    model, logs, _ = case
-    found = scored(name, axis, shape)
-    without, x = dense(model, logs)
-    with_it, moved = dense(model, logs, found.candidate)
-    free = model.solution.prior.free
-    assert without - with_it > 0.01
+    baseline, logs, x = case
+    model, found = baseline.model, scored(name, axis, shape)
+    without, before = dense(model, logs)
+    with_it, after = dense(model, logs, found.candidate)
+    free, mean = model.solution.prior.free, model.solution.prior.seen_mean
+    assert without - with_it > 0.002
     assert found.gain == pytest.approx(without - with_it, rel=1e-6)
-    np.testing.assert_allclose(found.coefficients, moved[len(free) :], rtol=1e-6)
-    np.testing.assert_allclose(found.step[free], moved[: len(free)] - x, atol=1e-6 * np.abs(found.step).max())
+    np.testing.assert_allclose(found.coefficients, after[len(free) :], rtol=1e-6)
+    scale = 1e-6 * np.abs(after[: len(free)] - before).max()
+    np.testing.assert_allclose(found.without[free], (mean - x)[free] + before, atol=scale)
+    np.testing.assert_allclose(found.step[free], (mean - x)[free] + after[: len(free)], atol=scale)
 
 
 def test_an_effect_that_would_have_to_push_is_held_at_nothing(case, scored):
-    model, logs, _ = case
+    baseline, logs, _ = case
     found = scored("stribeck", 0, (0.2, 1.0))
-    _, x = dense(model, logs, found.candidate)
+    _, x = dense(baseline.model, logs, found.candidate)
     assert x[-1] < 0.0  # what least squares would like
     assert found.coefficients == pytest.approx(0.0, abs=1e-6)
     assert found.gain == pytest.approx(0.0, abs=1e-6)
@@ -96,7 +98,8 @@ def test_an_effect_that_would_have_to_push_is_held_at_nothing(case, scored):
 
 @pytest.mark.parametrize("axis", range(3))
 def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
-    model, logs, at = case
+    baseline, logs, at = case
+    model = baseline.model
     kind, nothing = model.equations.layout.axis(axis), Candidate(shaped_effects()["asym_viscous"], AxisSite(axis), ())
     names = [effect.name for effect in model.equations.effects]
     for name in ("viscous", "coulomb", "motor_offset", "rotor_inertia"):
@@ -107,16 +110,17 @@ def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
                 for chunk in (each for each in chunks if each.kind == kind):
                     A, y = chunk.block[:, :-1], chunk.block[:, -1]
                     sums.add(A, -A[:, [place]], y - A @ at[model.equations.columns()[kind]])
-        found = score(model, nothing, {kind: sums}, MEMORY)
+        found = score(baseline, nothing, {kind: sums})
         assert found is None or (found.left < 1e-4 and found.evidence < 0.0)
 
 
 def test_what_least_squares_cannot_see_beside_the_baseline_has_no_score(case):
-    model, _, _ = case
+    baseline, _, _ = case
+    model = baseline.model
     kind = model.equations.layout.axis(0)
     still = KindSums.empty(1, len(model.equations.columns()[kind]))
     still.add(np.zeros((50, still.cross.shape[1])), np.zeros((50, 1)), np.ones(50))
-    assert score(model, Candidate(shaped_effects()["asym_viscous"], AxisSite(0), ()), {kind: still}, MEMORY) is None
+    assert score(baseline, Candidate(shaped_effects()["asym_viscous"], AxisSite(0), ()), {kind: still}) is None
 
 
 def test_sums_of_two_halves_are_the_sums_of_the_whole():
@@ -156,7 +160,8 @@ def test_the_grid_holds_every_combination_of_the_shapes():
 
 
 def test_what_all_sites_see_together_is_what_each_sees(case):
-    model, logs, _ = case
+    baseline, logs, _ = case
+    model = baseline.model
     places = sites(model)
     assert any(isinstance(site, PairSite) for site in places)
     together, alone = seen_by(model, logs[0], places), {site: site.see(model, logs[0]) for site in places}
@@ -172,7 +177,8 @@ def test_what_all_sites_see_together_is_what_each_sees(case):
 
 
 def test_columns_of_all_candidates_are_each_filtered_by_itself(case):
-    model, logs, _ = case
+    baseline, logs, _ = case
+    model = baseline.model
     site, prepared = AxisSite(1), logs[1]
     seen = site.see(model, prepared)
     every = [Candidate(effect, site, shape) for effect in shaped_effects().values() for shape in grid(effect)]
@@ -187,7 +193,8 @@ def test_columns_of_all_candidates_are_each_filtered_by_itself(case):
 
 
 def test_two_effects_of_one_name_keep_their_own_columns(case):
-    model, logs, _ = case
+    baseline, logs, _ = case
+    model = baseline.model
     site = BaseSite()
     seen, kinds = site.see(model, logs[0]), len(site.kinds(model.equations))
     neighbours = [Candidate(BaseTilt(), site, ()), Candidate(ImuTilt(), site, ())]
@@ -199,7 +206,8 @@ def test_two_effects_of_one_name_keep_their_own_columns(case):
 
 
 def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itself(case):
-    model, logs, x = case
+    baseline, logs, x = case
+    model = baseline.model
     site, kind = AxisSite(2), model.equations.layout.axis(2)
     effect = shaped_effects()["friction_shift"]
     every = [Candidate(effect, site, shape) for shape in grid(effect)]

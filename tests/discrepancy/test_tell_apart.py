@@ -31,7 +31,7 @@ from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.refine import closest
-from exogauge.search.score import Score, score
+from exogauge.search.score import Baseline, Score, score
 from exogauge.search.site_rows import collect_rows, sums_of
 from exogauge.studies.words.finding_sentences import motion_words, not_told, planned_sentence
 
@@ -98,7 +98,7 @@ def best(found, recordings, name) -> Score:
     ground = lay_ground(found.model, recordings, [effect], lambda *_: None)
     rows = collect_rows(found.model, recordings, [SWEPT])
     of_grid = [each for each in ground.scores if each.candidate.site == SWEPT]
-    return closest(found.model, of_grid, rows[SWEPT], ground.memory)
+    return closest(ground.baseline, of_grid, rows[SWEPT])
 
 
 def doubt_between(found, recordings, scores) -> Undecided:
@@ -111,7 +111,7 @@ def fitted(found, recordings, effect, shape) -> Score:
     rows = collect_rows(found.model, recordings, [SWEPT])
     candidate = Candidate(effect, SWEPT, shape)
     memory = dict.fromkeys(range(len(found.model.equations.layout)), 1.0)
-    scored = score(found.model, candidate, sums_of(rows[SWEPT], effect, shape), memory)
+    scored = score(Baseline(found.model, memory), candidate, sums_of(rows[SWEPT], effect, shape))
     assert scored is not None
     return scored
 

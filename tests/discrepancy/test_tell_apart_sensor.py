@@ -61,7 +61,7 @@ class Factor:
 
 
 def sure(site, effect, shape, size) -> Score:
-    return Score(Candidate(effect, site, shape), 1.0, 1.0, np.atleast_1d(size), np.zeros(0), 1.0)
+    return Score(Candidate(effect, site, shape), 1.0, 1.0, np.atleast_1d(size), np.zeros(0), np.zeros(0), 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -63,14 +63,11 @@ class Solution:
         """The same data and prior solved without physical ranges: what an effect is added to may leave an edge."""
         return self.of(self.statistics)
 
-    @cached_property
-    def around(self) -> tuple[tuple[float, Array, Array], ...]:
-        """`Statistics.around` of every kind of rows at the solution `unbounded`."""
-        return tuple(self.statistics.around(kind, self.unbounded.x) for kind in range(len(self.weights)))
-
-    def of(self, statistics: Statistics) -> PriorLeastSquares:
-        """Other statistics of the same equations, solved with the same weights and beliefs, without physical ranges."""
-        solved = PriorLeastSquares(statistics.square_root(self.weights), self.prior, self.strength)
+    def of(self, statistics: Statistics, weights: Array | None = None) -> PriorLeastSquares:
+        """Statistics of the same equations, solved with the same beliefs, without physical ranges. weights: (rows,), if
+        not the same."""
+        root = statistics.square_root(self.weights if weights is None else weights)
+        solved = PriorLeastSquares(root, self.prior, self.strength)
         solved.shift(self.gains.step)
         return solved
 

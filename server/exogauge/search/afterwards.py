@@ -8,7 +8,7 @@ second, and the search ends on a summit beside the true one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,14 +17,14 @@ from exogauge.criteria.criteria import Criteria
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
-from exogauge.identification.model import AddedEffect, RobotModel
+from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.settings import Recording
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
 from exogauge.search.refine import broadly, climbed, closely
 from exogauge.search.residual_correction import held_out_rmse
-from exogauge.search.score import Score, score
+from exogauge.search.score import Baseline, Score, score
 from exogauge.search.search import as_added, resumed
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Search
@@ -90,7 +90,7 @@ def _with_better_shape(search: Search, number: int) -> Search | None:
     seeing = replace(search, eyes=eyes)
     without = seeing.identified(others)
     rows = collect_rows(without.model, problem.recordings, [site], eyes.model)[site]
-    best = _best(without.model, step.added, rows, search.last.memory)
+    best = _best(Baseline(without.model, search.last.baseline.memory), step.added, rows)
     if best is None:
         return None
     added = as_added(best.candidate)
@@ -103,18 +103,18 @@ def _with_better_shape(search: Search, number: int) -> Search | None:
     return replace(seeing, steps=(*steps[:-1], replace(steps[-1], found=found)))
 
 
-def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score | None:
+def _best(baseline: Baseline, added: AddedEffect, rows: Sequence[SiteRows]) -> Score | None:
     """What explains most, searched from the shape that it has and from the best of the grid with the same choices."""
 
     def scored(shape: tuple[float, ...]) -> Score | None:
-        return score(model, Candidate(added.effect, added.site, shape), sums_of(rows, added.effect, shape), memory)
+        return score(baseline, Candidate(added.effect, added.site, shape), sums_of(rows, added.effect, shape))
 
     chosen = [place for place, one in enumerate(added.effect.shapes) if one.choice]
     alike = [shape for shape in grid(added.effect) if all(shape[k] == added.shape[k] for k in chosen)]
     coarse = [each for shape in alike if (each := scored(shape))]
     starts = [each for each in (scored(added.shape), max(coarse, key=lambda one: one.gain, default=None)) if each]
-    paces = [pace(model.criteria.search) for pace in (broadly, closely)]
-    return max(climbed(model, starts, rows, memory, paces), key=lambda one: one.gain, default=None)
+    paces = [pace(baseline.model.criteria.search) for pace in (broadly, closely)]
+    return max(climbed(baseline, starts, rows, paces), key=lambda one: one.gain, default=None)
 
 
 def _left(finding: Finding, found: Identification) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.progress import Doing, Progress
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
-from exogauge.search.score import Score, residual_memory, score_all
+from exogauge.search.score import Baseline, Score, residual_memory, score_all
 from exogauge.search.sums import Columns, Sums
 from exogauge.side_by_side import each as side_by_side
 
@@ -54,16 +54,19 @@ class LogResiduals:
 @dataclass(frozen=True)
 class Ground:
     """candidates: site -> those that any fitted log holds what they need for. summed: those, and all others that the
-    model has not; fitted: sums of their columns, in order. memory: kind of row -> samples of the fitted logs
-    that count as one. scores: of every candidate that the baseline does not swallow, best first."""
+    model has not; fitted: sums of their columns, in order. scores: of every candidate that the baseline does not
+    swallow, best first."""
 
-    model: RobotModel
+    baseline: Baseline
     candidates: Mapping[Site, Sequence[Candidate]]
     summed: Mapping[Site, Sequence[Candidate]]
     fitted: Sums
-    memory: Mapping[int, float]
     residuals: tuple[LogResiduals, ...]
     scores: tuple[Score, ...]
+
+    @property
+    def model(self) -> RobotModel:
+        return self.baseline.model
 
 
 def lay_ground(
@@ -105,14 +108,14 @@ def lay_ground(
         residuals.append(left)
         for site, names in applying.items():
             shown[site] |= names
-    memory = {kind: _memory(residuals, kind) for kind in range(len(model.equations.layout))}
+    baseline = Baseline(model, {kind: _memory(residuals, kind) for kind in range(len(model.equations.layout))})
     tried = {
         site: [each for each in candidates if each.effect.name in shown[site]]
         for site, candidates in everywhere.items()
     }
 
     def of_site(site: Site) -> list[Score]:
-        return list(score_all(model, everywhere[site], fitted.by_site[site], memory))
+        return list(score_all(baseline, everywhere[site], fitted.by_site[site]))
 
     scores = [
         each
@@ -121,7 +124,7 @@ def lay_ground(
         if each.gain > 0.0 and each.candidate.effect.name in shown[site]
     ]
     ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
-    return Ground(model, tried, everywhere, fitted, memory, tuple(residuals), ranked)
+    return Ground(baseline, tried, everywhere, fitted, tuple(residuals), ranked)
 
 
 def _all_at(

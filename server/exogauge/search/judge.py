@@ -99,11 +99,12 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     for each in rows:
         columns = each.columns(candidate.effect, candidate.shape)
         left = each.after(columns, score.coefficients, score.step, own)
+        without = each.moved(score.without, own)
         acts = any(bool(c.any()) for c in columns.values())
         changes += [
             _Change(each, kind, e, after, np.asarray(e**2 - after**2), acts, judging.block_s)
             for kind, after in left.items()
-            for e in (each.rows[kind].e,)
+            for e in (without[kind],)
             if weights[kind] > 0
         ]
     out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))

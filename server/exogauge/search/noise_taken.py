@@ -46,7 +46,7 @@ def noise_taken(
             continue
         clean, drawn = (
             (
-                one.rows[judged.kind].e,
+                one.moved(judged.score.without, own)[judged.kind],
                 one.after(columns, judged.score.coefficients, judged.score.step, own)[judged.kind],
             )
             for one, columns in ((one, one.columns(candidate.effect, candidate.shape)) for one in (each, noisy))

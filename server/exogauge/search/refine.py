@@ -6,7 +6,7 @@ really gain, vanishes there, and the search turns back. On the way to a better s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from exogauge.criteria.searching import Searching
-from exogauge.identification.model import RobotModel
-from exogauge.search.score import Score, score
+from exogauge.search.score import Baseline, Score, score
 from exogauge.search.site_rows import SiteRows, sums_of
 
 Array = NDArray[np.float64]
@@ -40,37 +39,29 @@ def closely(criteria: Searching) -> Pace:
     return Pace(*criteria.closely)
 
 
-def closest(
-    model: RobotModel, of_grid: Sequence[Score], rows: Sequence[SiteRows], memory: Mapping[int, float]
-) -> Score:
+def closest(baseline: Baseline, of_grid: Sequence[Score], rows: Sequence[SiteRows]) -> Score:
     """What the best starts lead to. of_grid: of one effect at one site, most evidence first."""
     first = of_grid[0]
     free = [one for one in first.candidate.effect.shapes if not one.choice]
-    criteria = model.criteria.search
+    criteria = baseline.model.criteria.search
     starts = of_grid[: criteria.starts if len(free) > 1 else 1]
-    ends = climbed(model, starts, rows, memory, (broadly(criteria),))
+    ends = climbed(baseline, starts, rows, (broadly(criteria),))
     return max((each for each in ends if each.evidence >= first.evidence), key=lambda each: each.gain)
 
 
 def climbed(
-    model: RobotModel,
-    starts: Sequence[Score],
-    rows: Sequence[SiteRows],
-    memory: Mapping[int, float],
-    paces: Sequence[Pace],
+    baseline: Baseline, starts: Sequence[Score], rows: Sequence[SiteRows], paces: Sequence[Pace]
 ) -> list[Score]:
     """What each start leads to, one pace after the other."""
     ends = list(starts)
     for pace in paces:
-        ends = [refined(model, each, rows, memory, pace) for each in ends]
+        ends = [refined(baseline, each, rows, pace) for each in ends]
     return ends
 
 
-def refined(
-    model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float], pace: Pace | None = None
-) -> Score:
+def refined(baseline: Baseline, first: Score, rows: Sequence[SiteRows], pace: Pace | None = None) -> Score:
     """The candidate with its shapes searched from those it has, within their bounds; broadly, if not otherwise said."""
-    candidate, criteria = first.candidate, model.criteria.search
+    candidate, criteria = first.candidate, baseline.model.criteria.search
     pace = pace or broadly(criteria)
     shapes = candidate.effect.shapes
     free = [k for k, one in enumerate(shapes) if not one.choice]
@@ -82,7 +73,7 @@ def refined(
         for k, u in zip(free, values, strict=True):
             shape[k] = shapes[k].at(u)
         sums = sums_of(rows, candidate.effect, tuple(shape))
-        return score(model, replace(candidate, shape=tuple(shape)), sums, memory)
+        return score(baseline, replace(candidate, shape=tuple(shape)), sums)
 
     def cost(values: Array) -> float:
         found = at(np.clip(values, 0.0, 1.0))

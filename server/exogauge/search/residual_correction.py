@@ -30,7 +30,7 @@ from exogauge.search.doubt import gone, parameters
 from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled
-from exogauge.search.score import Score, score
+from exogauge.search.score import Baseline, Score, score
 from exogauge.search.search import as_added, judge_best
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Search, Step
@@ -177,6 +177,7 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
     least = search.problem.settings.criteria.judging.worth_judging
     rows = collect_rows(found.model, search.problem.recordings, [site])[site]
     sizes = _sizes(step.added, rows)
+    baseline = Baseline(found.model, search.last.baseline.memory)
     best: Score | None = None
     chosen: tuple[int, ...] = ()
     while True:
@@ -185,9 +186,8 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
             for term in range(len(possible_terms(effect)))
             if term not in chosen
             for curve in (OwnCurve(effect, sizes, (*chosen, term)),)
-            if (each := score(found.model, Candidate(curve, site, shape), sums_of(rows, curve, shape),
-                              search.last.memory)) is not None
-        ]  # fmt: skip
+            if (each := score(baseline, Candidate(curve, site, shape), sums_of(rows, curve, shape))) is not None
+        ]
         better = max(tried, key=lambda each: each.evidence, default=None)
         if better is None or better.evidence < (best.evidence if best else least):
             return best, rows

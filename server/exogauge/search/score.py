@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.estimation.least_squares import bounded_least_squares
+from exogauge.estimation.least_squares import PriorLeastSquares, bounded_least_squares
 from exogauge.identification.model import RobotModel
 from exogauge.search.candidates import Candidate
 from exogauge.search.sums import KindSums
@@ -19,10 +20,45 @@ Array = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True)
+class Baseline:
+    """The model that candidates stand beside, fitted with rows that weigh as many samples as they are worth.
+
+    Where something is missing, residuals are coloured, and rows that count in full let parameters run far beyond what
+    is believed of them, into its place. memory: kind of row -> samples of the fitted logs that count as one.
+    """
+
+    model: RobotModel
+    memory: Mapping[int, float]
+
+    @cached_property
+    def weights(self) -> Array:
+        """(rows,)"""
+        weights = self.model.solution.weights
+        return np.array([weight / self.memory.get(kind, 1.0) for kind, weight in enumerate(weights)])
+
+    @cached_property
+    def solved(self) -> PriorLeastSquares:
+        return self.model.solution.of(self.model.solution.statistics, self.weights)
+
+    @cached_property
+    def step(self) -> Array:
+        """(P,) from the model's own solution, at which residuals are told, to this one."""
+        return self.solved.x - self.model.solution.unbounded.x
+
+    @cached_property
+    def around(self) -> tuple[tuple[float, Array, Array], ...]:
+        """`Statistics.around` of every kind of rows at this solution."""
+        statistics = self.model.solution.statistics
+        return tuple(statistics.around(kind, self.solved.x) for kind in range(len(self.weights)))
+
+
+@final
+@dataclass(frozen=True)
 class Score:
     """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that rows gain, with
     coloured residuals, less what the prior loses and a price per value that was chosen (BIC). coefficients: (C,).
-    step: (P,) what the baseline moves by. left: share that the baseline cannot take its place in, 0…1.
+    without, step: (P,) from the model's own solution to the baseline, without the candidate and with it. left: share
+    that the baseline cannot take its place in, 0…1.
     elsewhere: whether most of what rows gain lies in rows that it is not in, through the baseline that it sets right.
     """
 
@@ -30,27 +66,24 @@ class Score:
     gain: float
     evidence: float
     coefficients: Array
+    without: Array
     step: Array
     left: float
     elsewhere: bool = False
 
 
-def score(
-    model: RobotModel, candidate: Candidate, sums: Mapping[int, KindSums], memory: Mapping[int, float]
-) -> Score | None:
-    """sums: of the candidate's columns over the fitted logs, by kind of row. memory: kind -> samples that count as one.
+def score(baseline: Baseline, candidate: Candidate, sums: Mapping[int, KindSums]) -> Score | None:
+    """sums: of the candidate's columns over the fitted logs, by kind of row, at the model's own solution.
 
     None where the baseline swallows it, or nothing weighs.
     """
-    return next(iter(score_all(model, [candidate], sums, memory)), None)
+    return next(iter(score_all(baseline, [candidate], sums)), None)
 
 
-def score_all(
-    model: RobotModel, candidates: Sequence[Candidate], sums: Mapping[int, KindSums], memory: Mapping[int, float]
-) -> Iterator[Score]:
+def score_all(baseline: Baseline, candidates: Sequence[Candidate], sums: Mapping[int, KindSums]) -> Iterator[Score]:
     """Those of one site that the baseline does not swallow, by one solve for all. sums: of their columns, in order."""
     blind = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
-    weights, own = model.solution.weights, model.equations.columns()
+    model, weights, own = baseline.model, baseline.weights, baseline.model.equations.columns()
     live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
     if not live:
         return
@@ -59,8 +92,8 @@ def score_all(
     for kind, each in live.items():
         B[own[kind]] += weights[kind] * each.cross.T
         squares += weights[kind] * each.own
-        g += weights[kind] * each.with_residual
-    V = model.solution.unbounded.divided(B)
+        g += weights[kind] * each.with_residual_at(baseline.step[own[kind]])
+    V = baseline.solved.divided(B)
     start, fitted = 0, list[_Fitted]()
     for candidate in candidates:
         part = slice(start, start + candidate.width)
@@ -74,14 +107,16 @@ def score_all(
         gain = float(2.0 * (g[part] / size) @ theta - theta @ S @ theta)
         coefficients = theta / size
         fitted.append(_Fitted(candidate, part, gain, coefficients, -V[:, part] @ coefficients, left))
-    for one, (evidence, elsewhere) in zip(fitted, _evidence(model, fitted, live, memory), strict=True):
-        yield Score(one.candidate, one.gain, evidence, one.coefficients, one.step, one.left, elsewhere)
+    for one, (evidence, elsewhere) in zip(fitted, _evidence(baseline, fitted, live), strict=True):
+        moved = baseline.step + one.step
+        yield Score(one.candidate, one.gain, evidence, one.coefficients, baseline.step, moved, one.left, elsewhere)
 
 
 @final
 @dataclass(frozen=True)
 class _Fitted:
-    """A candidate fitted beside the baseline. part: its columns among those of the site."""
+    """A candidate fitted beside the baseline. part: its columns among those of the site. step: (P,) what the baseline
+    moves by."""
 
     candidate: Candidate
     part: slice
@@ -91,9 +126,7 @@ class _Fitted:
     left: float
 
 
-def _evidence(
-    model: RobotModel, fitted: Sequence[_Fitted], sums: Mapping[int, KindSums], memory: Mapping[int, float]
-) -> list[tuple[float, bool]]:
+def _evidence(baseline: Baseline, fitted: Sequence[_Fitted], sums: Mapping[int, KindSums]) -> list[tuple[float, bool]]:
     """Of each: what every kind of row gains in log likelihood, its variance estimated anew, less what the prior loses;
     and whether more than half of the gain lies elsewhere than in its own rows.
 
@@ -102,7 +135,8 @@ def _evidence(
     nearly_all = 0.999  # of the square sum: no candidate is credited with more
     if not fitted:
         return []
-    solution, own = model.solution, model.equations.columns()
+    statistics, memory = baseline.model.solution.statistics, baseline.memory
+    own = baseline.model.equations.columns()
     steps = np.stack([each.step for each in fitted], axis=1)  # (P, n)
     theta = np.concatenate([each.coefficients for each in fitted])
     columns = np.concatenate([np.arange(each.part.start, each.part.stop) for each in fitted])
@@ -110,15 +144,16 @@ def _evidence(
     starts, together = np.flatnonzero(np.diff(whose, prepend=-1)), whose[:, None] == whose
     total, explained, independent = np.zeros(len(fitted)), np.zeros(len(fitted)), 0.0
     in_own_rows = np.zeros(len(fitted))
-    for kind, weight in enumerate(solution.weights):
-        rows = int(solution.statistics.count[kind])
+    for kind, weight in enumerate(baseline.weights):
+        rows = int(statistics.count[kind])
         if weight <= 0.0 or not rows:
             continue
-        before, slope, curvature = solution.around[kind]
+        before, slope, curvature = baseline.around[kind]
         D = steps[own[kind]]
         change = np.sum(D * (curvature @ D), axis=0) - 2.0 * slope @ D
         if kind in sums:
             cross, right, own_squares = sums[kind].of(columns)
+            right = right - cross @ baseline.step[own[kind]]
             with_rows = np.einsum("ck,kc->c", cross, D[:, whose]) - right
             squares = np.where(together, own_squares, 0.0) @ theta
             change += np.add.reduceat(theta * (2.0 * with_rows + squares), starts)

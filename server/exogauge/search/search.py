@@ -193,14 +193,14 @@ def judge_best(
     )
     for candidate in hints:
         sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
-        tried = score(ground.model, candidate, sums, ground.memory)
+        tried = score(ground.baseline, candidate, sums)
         known = best[candidate.key][0].evidence if candidate.key in best else least
         if tried is not None and tried.evidence > known:
             best[candidate.key] = [tried]
 
     def judged(scores: Sequence[Score]) -> Judgement:
         own = rows[scores[0].candidate.site]
-        return judge(ground.model, closest(ground.model, scores, own, ground.memory), own)
+        return judge(ground.model, closest(ground.baseline, scores, own), own)
 
     return sorted(side_by_side(judged, best.values()), key=lambda one: -one.score.evidence), rows
 
@@ -210,7 +210,7 @@ def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Se
     own = rows[judged.score.candidate.site]
     closer = judge(
         ground.model,
-        refined(ground.model, judged.score, own, ground.memory, closely(ground.model.criteria.search)),
+        refined(ground.baseline, judged.score, own, closely(ground.model.criteria.search)),
         own,
     )
     return judged if closer.objection else closer
@@ -250,7 +250,7 @@ def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
             if ok.sum() < 100:
                 continue
             for cycles in effect.promising(position[ok], residual[ok], span):
-                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[kind]) > least:
+                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.baseline.memory[kind]) > least:
                     yield Candidate(effect, site, (cycles,))
 
 

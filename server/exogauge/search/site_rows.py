@@ -57,14 +57,16 @@ class SiteRows:
             for kind, rows in self.rows.items()
         }
 
+    def moved(self, step: Array, own: Sequence[IntArray]) -> Mapping[int, Array]:
+        """Kind -> (n,) what is left where the model's parameters have moved by step: (P,); own: those in the rows of
+        each kind."""
+        return {kind: rows.e - rows.A @ step[own[kind]] for kind, rows in self.rows.items()}
+
     def after(
         self, columns: Mapping[int, Array], coefficients: Array, step: Array, own: Sequence[IntArray]
     ) -> Mapping[int, Array]:
-        """Kind -> (n,) what is left with an effect in the model. columns: its own. step: (P,) by which the baseline
-        moves; own: its parameters in the rows of each kind."""
-        return {
-            kind: rows.e - rows.A @ step[own[kind]] + columns[kind] @ coefficients for kind, rows in self.rows.items()
-        }
+        """Kind -> (n,) what is left with an effect in the model. columns: its own. step, own: as for `moved`."""
+        return {kind: left + columns[kind] @ coefficients for kind, left in self.moved(step, own).items()}
 
 
 def collect_rows(

@@ -63,6 +63,10 @@ class KindSums:
         cross, own, with_residual = (np.pad(each, (0, 1)) for each in (self.cross, self.own, self.with_residual))
         return KindSums(cross[which, :-1], own[np.ix_(which, which)], with_residual[which], self.square, self.rows)
 
+    def with_residual_at(self, step: Array) -> Array:
+        """(C,) where the model's parameters have moved by step: (k,)."""
+        return self.with_residual - self.cross @ step
+
     def of(self, columns: IntArray) -> tuple[Array, Array, Array]:
         """`cross`, `with_residual` and `own` of some of the columns."""
         return self.cross[columns], self.with_residual[columns], self.own[np.ix_(columns, columns)]
