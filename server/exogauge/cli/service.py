@@ -45,14 +45,17 @@ def add_commands(commands: Commands) -> None:
 
 def start_server(options: argparse.Namespace) -> int:
     import exogauge.jobs.code_version  # noqa: F401 (files are hashed before they are used)
-    from exogauge.serving import serve
-    from exogauge.settings import Settings
+    from exogauge.settings import Settings, refuse_open_house
 
     given = {key: getattr(options, key) for key in ("host", "port", "workers", "data_dir")}
     for key, value in given.items():
         if value is not None:  # by the environment, so that the workers see it too
             os.environ[f"EXOGAUGE_{key.upper()}"] = str(value)
-    serve(Settings(), with_parent=options.with_parent)
+    settings = Settings()
+    refuse_open_house(settings)  # at once: before all that serves is loaded
+    from exogauge.serving import serve
+
+    serve(settings, with_parent=options.with_parent)
     return 0
 
 
