@@ -66,13 +66,18 @@ def test_noisy_angles_are_not_taken_for_motion(tmp_path: Path) -> None:
     assert [each for each in found.warnings if "shake.csv" in each and "pose.noise_rad" in each]
 
 
+LATE = 0.006
+
+
 @pytest.mark.slow
-def test_live_numbers_hold_though_gravity_and_stamps_are_only_known_so_well(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["jitter", "low-pass"])
+def test_live_numbers_hold_though_gravity_stamps_and_delay_are_only_known_so_well(kind: str, tmp_path: Path) -> None:
     errors = []
     for seed in range(4):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        truth = foreign.write(folder, seed, spoil=foreign.stamps_jitter(seed), tests=False)
+        spoil = foreign.stamps_jitter(seed) if kind == "jitter" else foreign.low_passed(LATE)
+        truth = foreign.write(folder, seed, spoil=spoil, tests=False)
         payload = open_payload(folder)
         _, whole = open_start(folder)
         still = replace(payload, recordings=tuple(payload.of("postures")))
@@ -85,6 +90,10 @@ def test_live_numbers_hold_though_gravity_and_stamps_are_only_known_so_well(tmp_
         assert known is not None
         assert known.estimate.state == "converged"
         errors.append((known.estimate.value - truth.x) / known.estimate.std)
+        assert (known.late is None) == (kind == "jitter")
+        if known.late is not None:
+            assert known.late[0] == pytest.approx(LATE, abs=3e-4)  # a pole is a delay but for its square
+            assert known.late[1] < 3e-4
     assert np.mean(np.abs(errors) < 1.96) > 0.85
     assert np.abs(errors).max() < 4.5
 
