@@ -27,8 +27,8 @@ class Retimed:
         self._next = 0  # of what is kept, the first that was not given
 
     def then(self, time: Array, state: Array, moving: Array, *, last: bool = False) -> tuple[Array, Array]:
-        """time: (n,) [s] of samples; state: (n, K, 3), moving: (n, G) of their poses. Both of the poses that belong to the
-        wrenches of those samples, in their order, that are decided by now; of all, where these are the last."""
+        """time: (n,) [s] of samples; state: (n, K, 3), moving: (n, G) of their poses. Both of the poses that belong to
+        the wrenches of those samples, in their order, that are decided by now; of all, where these are the last."""
         kept = len(self._time) > 0
         self._time = np.concatenate([self._time, time]) if kept else time
         self._state = np.concatenate([self._state, state]) if kept else state
