@@ -14,6 +14,7 @@ import pinocchio as pin
 import yaml
 from numpy.typing import NDArray
 
+from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.outcome import motion_table, ups
 from exogauge.motion.plan.spline import Trajectory
@@ -49,7 +50,7 @@ def sheet(robot: MotionRobot, judged: Judged, form: str, files: Files, sources: 
         "robot": robot.name, "format": form, "holds": FORMATS[form][1], "samples": len(time),
         "rate_hz": round((len(time) - 1) / float(time[-1]), 6), "seconds": round(float(time[-1]), 6),
         "unit": "rad, rad/s, N·m of revolute joints; m, m/s, N of prismatic ones",
-        "margin_m": {"pressure_inside_soles": round(float(judged.inside.min()), 5),
+        "margin_m": {"pressure_inside_soles": None if judged.least_inside is None else round(judged.least_inside, 5),
                      "nearest_pair": round(float(judged.apart.min()), 5)},
         "feet_up_s": ups(robot, judged), "feet_m": float(judged.feet_m), "feet_rad": float(judged.feet_rad),
         BROKEN: list(judged.broken), "joints": joints,
@@ -65,6 +66,10 @@ def _contract(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
 
 
 def _hrpsys(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
+    if not np.isfinite(judged.pressure).all():
+        when = float(judged.time[~np.isfinite(judged.pressure[:, 0])][0])
+        raise BadMotion(Fault("the feet carry too little for a centre of pressure, which hrpsys asks for", "no_pressure",
+                              "Export it as mc_rtc or csv, or plan it anew", robot.name, value=f"{when:.3f} s"))  # fmt: skip
     place, turn = _base(robot, judged)
     rpy = np.unwrap(np.stack([pin.rpy.matrixToRpy(R) for R in turn]), axis=0)
     pressure = np.einsum("tji,tj->ti", turn, judged.pressure - place)
