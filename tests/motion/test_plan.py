@@ -375,9 +375,11 @@ def test_where_the_feet_carry_next_to_nothing_no_centre_of_pressure_is_told(robo
     assert "the feet carry too little" in str(said["centre of pressure"])
     assert "nan" not in str(said)
     assert any(line.startswith("weight on the feet") for line in judged.broken)
-    with pytest.raises(BadMotion, match="no_pressure|centre of pressure"):
+    with pytest.raises(BadMotion, match="centre of pressure"):
         exported(robot, through(q, asked.step), judged, "hrpsys")
-    assert sheet(robot, judged, "csv", {}, {})["margin_m"]["pressure_inside_soles"] == pytest.approx(judged.least_inside, abs=1e-5)
+    assert sheet(robot, judged, "csv", {}, {})["margin_m"]["pressure_inside_soles"] == pytest.approx(
+        judged.least_inside, abs=1e-5
+    )
 
 
 def test_a_broken_bound_is_told_with_its_size_and_by_how_much(robot: MotionRobot, bent) -> None:

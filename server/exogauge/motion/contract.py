@@ -57,7 +57,7 @@ class ContactsEntry(_Part):
 class RetargetEntry(_Part):
     """begin, end: of the capture [s]. slow: times the time. repeat: times. share: of the trunk's angle. without: of
     what nothing is asked. margin_m: by which the centre of pressure keeps inside the soles. what_would_do: where it
-    cannot be had, find what can: minutes, where it has to be searched for. rate_hz: at which it is judged and written."""
+    cannot be had, find what can, which may take minutes. rate_hz: at which it is judged and written."""
 
     begin: float = Field(default=0.0, ge=0.0)
     end: float | None = Field(default=None, gt=0.0)

@@ -68,8 +68,9 @@ def _contract(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
 def _hrpsys(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
     if not np.isfinite(judged.pressure).all():
         when = float(judged.time[~np.isfinite(judged.pressure[:, 0])][0])
-        raise BadMotion(Fault("the feet carry too little for a centre of pressure, which hrpsys asks for", "no_pressure",
-                              "Export it as mc_rtc or csv, or plan it anew", robot.name, value=f"{when:.3f} s"))  # fmt: skip
+        detail = "the feet carry too little for a centre of pressure, which hrpsys asks for"
+        advice = "Export it as mc_rtc or csv, or plan it anew"
+        raise BadMotion(Fault(detail, "no_pressure", advice, robot.name, value=f"{when:.3f} s"))
     place, turn = _base(robot, judged)
     rpy = np.unwrap(np.stack([pin.rpy.matrixToRpy(R) for R in turn]), axis=0)
     pressure = np.einsum("tji,tj->ti", turn, judged.pressure - place)

@@ -44,10 +44,14 @@ def summarise(
         within = off[~outside, k]
         wanted_of_it = (f"asked {low:.1f} to {high:.1f}°, the joint bears {bound[0]:.1f} to {bound[1]:.1f}° "
                         f"({100 * outside.mean():.2g} % of nodes lie beyond)")  # fmt: skip
-        said[f"trunk {robot.joints[j]}"] = wanted_of_it if not planned.rounds else (
-            f"{wanted_of_it}; given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
-            f"{np.abs(within).max():.2g}° at most where it bears them; "
-            f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
+        said[f"trunk {robot.joints[j]}"] = (
+            wanted_of_it
+            if not planned.rounds
+            else (
+                f"{wanted_of_it}; given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
+                f"{np.abs(within).max():.2g}° at most where it bears them; "
+                f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
+            )
         )
     said["trunk not expressed"] = (
         f"{np.degrees(np.sqrt(np.mean(missed**2))):.3g}° rms, {np.degrees(missed.max()):.3g}° at most, "
