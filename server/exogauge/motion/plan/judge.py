@@ -48,7 +48,8 @@ class Judged:
     nothing has its centre anywhere. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
     two feet share the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
     `MotionPlan.look_m` where none is nearer; nearest: that of all times, and when, None without shapes or where none
-    comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound in words.
+    comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound
+    in words.
     """
 
     time: Array
