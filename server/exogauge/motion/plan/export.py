@@ -89,8 +89,9 @@ def _mc_rtc(robot: MotionRobot, motion: Trajectory, judged: Judged) -> Files:
     lifts = not judged.stands.all()
     names = ["t", *(f"qOut_{k}" for k in range(len(robot.joints)))]
     names += [f"{STANDS}{sole.link}" for sole in robot.soles if lifts] + ([BROKEN] if judged.broken else [])
-    beside = [judged.stands] * lifts + [np.ones(len(judged.time))] * bool(judged.broken)
-    rows = np.column_stack([judged.time, judged.q[:, robot.base :], *beside])
+    marks = np.ones((len(judged.time), int(bool(judged.broken))))
+    stands = judged.stands.astype(np.float64) if lifts else marks[:, :0]
+    rows = np.column_stack([judged.time, judged.q[:, robot.base :], stands, marks])
     return {".csv": csv_table(names, np.round(rows, 8).tolist()).replace(b",", b";")}
 
 
