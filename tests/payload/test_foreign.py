@@ -126,6 +126,28 @@ def test_numbers_hold_behind_a_coarse_converter_and_live_does_not_take_its_steps
 
 
 @pytest.mark.slow
+def test_a_delay_too_small_to_be_named_is_told_and_held(tmp_path: Path) -> None:
+    """Two milliseconds, a quarter of a sample: hardly more is left by them than noise."""
+    errors = []
+    for seed in range(3):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        truth = foreign.write(folder, seed, spoil=foreign.low_passed(0.002))
+        found = evaluated(folder)
+        errors.append(off(found, truth))
+        told = {each.effect: each.parameters for each in found.missing.found}
+        if "delay" in told:
+            late, std = 1e-3 * told["delay"][0].value, 1e-3 * told["delay"][0].std
+        else:
+            assert found.missing.late is not None
+            late, std = found.missing.late
+            assert [each for each in found.warnings if "against the pose" in each]
+        assert abs(late - 0.002) < 3.0 * std + 2e-4
+    assert np.mean(np.abs(errors) < 1.96) > 0.85
+    assert np.abs(errors).max() < 4.0
+
+
+@pytest.mark.slow
 def test_a_gain_that_was_found_leaves_the_others_in_doubt(tmp_path: Path) -> None:
     """Two axes read 2 % more alike: that is another mass and a gain of the third, and no data tell which it is."""
     gains = np.array([1.02, 1.02, 1.0, 1.0, 1.0, 1.0])

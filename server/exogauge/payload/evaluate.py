@@ -141,6 +141,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
             progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
             again = _still(payload, clean.holds, clean.acceleration, criteria)
             stages = _stages(payload, clean, sign, *again, criteria, missing.doubt)
+    elif missing.late is not None:
+        stages = _stages(payload, logs, sign, postures, said, criteria, missing.late_doubt)
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
@@ -227,6 +229,13 @@ def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cr
         mu, mu_std, cause = excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing)
         reading = reading_of_mu(mu, mu_std, cause, criteria.payload_dynamic)
         out += [reading] if reading else []
+    if missing.late is not None:
+        late, std = (1e3 * each for each in missing.late)
+        way = "late" if late > 0.0 else "early"
+        out.append(
+            f"The wrench seems {abs(late):.2g} ± {std:.1g} ms {way} against the pose: too little to be named; the doubt "
+            "of all numbers holds it."
+        )
     if excitation.left_out and (rigid is not None or not missing.found):
         spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
         out.append(f"Something touched the payload in the excitation; left out: {spans}.")

@@ -98,6 +98,25 @@ def of_calibration(problem: Problem, found: Fitted, named: Sequence[Named]) -> A
     return np.asarray(lift @ of_gains @ lift.T)
 
 
+def slightly_late(
+    problem: Problem, found: Fitted, named: Sequence[Named], effect: Effect
+) -> tuple[float, float, Array] | None:
+    """[s] by which the wrench is late and its std, where that is beyond chance, and (18, 18) the square of what it does
+    to body, zero and turn: too little to be named, it may be more than their doubt. effect: the delay."""
+    step = 1e-4  # [s]
+    ends = [_asked(problem, found, [*named, Named(effect, (side * step,))]) for side in (-1.0, 1.0)]
+    slope = (ends[1] - ends[0]) / (2.0 * step)
+    across = found.root.T @ slope
+    square = float(slope @ slope - across @ across)
+    if square <= 0.0:
+        return None
+    late, std = float(slope @ found.residual) / square, float(np.sqrt(max(found.rss / found.rows, 1.0) / square))
+    if abs(late) < problem.criteria.payload_dynamic.mu_stds * std:
+        return None
+    shift = late * np.linalg.solve(found.triangle, across)[:SIZE]
+    return late, std, np.outer(shift, shift)
+
+
 def below_floor(problem: Problem, found: Fitted) -> bool:
     """Whether the fit took more off a channel than was there to be explained: errors of the kinematics, too."""
     sure = problem.criteria.judging.sure_above

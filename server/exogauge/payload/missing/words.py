@@ -72,6 +72,8 @@ def cause_of_residual(missing: Missing) -> str:
         return "; ".join(name_of(each.effect, each.place) for each in missing.found)
     if verdict == "unexplained":
         return "something is missing that nothing here explains"
+    if verdict == "none" and missing.late is not None:
+        return "the wrench and the pose are not quite of the same time, or the noise is stated too small"
     if verdict == "none":
         return "nothing is missing above the noise that was measured, so the noise is stated too small"
     return UNKNOWN_CAUSE
