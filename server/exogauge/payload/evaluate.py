@@ -233,8 +233,8 @@ def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cr
         late, std = (1e3 * each for each in missing.late)
         way = "late" if late > 0.0 else "early"
         out.append(
-            f"The wrench seems {abs(late):.2g} ± {std:.1g} ms {way} against the pose: too little to be named; the doubt "
-            "of all numbers holds it."
+            f"The wrench seems {abs(late):.2g} ± {std:.1g} ms {way} against the pose: too little to be named; the "
+            "doubt of all numbers holds it."
         )
     if excitation.left_out and (rigid is not None or not missing.found):
         spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])

@@ -95,7 +95,8 @@ def of_calibration(problem: Problem, found: Fitted, named: Sequence[Named]) -> A
     across = found.root.T @ G
     of_gains = np.linalg.inv(G.T @ G - across.T @ across + np.eye(6) / max(shares) ** 2)
     lift = np.linalg.solve(found.triangle, across)[:SIZE]
-    return np.asarray(lift @ of_gains @ lift.T)
+    shift = lift @ of_gains @ G.T @ found.residual  # what they seem to be, though too little to be named
+    return np.asarray(lift @ of_gains @ lift.T + np.outer(shift, shift))
 
 
 def slightly_late(
