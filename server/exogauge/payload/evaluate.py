@@ -16,7 +16,7 @@ from exogauge.payload.contact import Compensation
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
-from exogauge.payload.intake import Payload
+from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturation
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
@@ -388,4 +388,15 @@ def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteri
         )
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
-    return find_lag(frame, rows, criteria.payload_static) if carrying else frame
+    if not carrying:
+        return frame
+    found = find_lag(frame, rows, criteria.payload_static)
+    return replace(found, lag_std_s=float(np.hypot(found.lag_std_s, max(map(_clocks_std, carrying)))))
+
+
+def _clocks_std(recording: Recording) -> float:
+    """Std [s] of what stamps of several clocks leave open: each says when a sample was there, which was taken at any
+    time in the period before. 0 with one clock."""
+    streams = (recording.wrench, recording.pose, recording.acceleration)
+    periods = {each.file: float(np.median(np.diff(each.time))) for each in streams if each is not None}
+    return float(np.linalg.norm(list(periods.values()))) / np.sqrt(12.0) if len(periods) > 1 else 0.0

@@ -26,6 +26,7 @@ from exogauge.payload.missing.doubt import (
     covariance,
     numbers,
     numbers_with_std,
+    of_calibration,
     swings,
 )
 from exogauge.payload.missing.effect import CHANNELS, Effect, Frame
@@ -157,7 +158,7 @@ def find_missing(
     courses = tuple(_course(problem, base, named, each, own) for each in (*fitted, *held_out, *others))
     C = covariance(problem, base, named)
     across = C[:SIZE, SIZE:]
-    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T
+    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T + of_calibration(problem, base, named)
     return Missing(
         claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt
     )  # fmt: skip
