@@ -94,7 +94,7 @@ def _case(folder: Path, seed: int, number: int, effects: tuple[str, ...]) -> lis
 
 
 def _kept_of(study: Path) -> None:
-    """One log to fit and one to judge by: of all four hardly a finding has a rival."""
+    """One log to fit and one to judge by, so that findings are less sure."""
     file = study / "study.yaml"
     content = yaml.safe_load(file.read_text(encoding="utf-8"))
     content["logs"] = [each for each in content["logs"] if Path(each["file"]).stem in KEPT]
