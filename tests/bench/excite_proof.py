@@ -1,10 +1,10 @@
 """What a motion that identifies promises, against what comes of it: recorded by MuJoCo on robots drawn about the stated
 one, with sensors' noise, identified, and compared with the truth.
 
-`python -m tests.bench.excite_proof [ROBOTS]`. Ratios are geometric means over base parameters of what the random motion
-leaves over what the planned one does: promised, of standard deviations; found, of errors' root mean squares over the
-robots. The random motion is the median one of `tests.bench.excite`. `again`: errors after the first motion twice over
-those after the first and another one that was planned knowing its log.
+`python -m tests.bench.excite_proof [ROBOTS] [ARM …]`. Ratios are geometric means over base parameters of what the
+random motion leaves over what the planned one does: promised, of standard deviations; found, of errors' root mean
+squares over the robots. The random motion is the median one of `tests.bench.excite`. `again`: errors after the first
+motion twice over those after the first and another one that was planned knowing its log.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 from tests.bench.excite import RANDOM, SECONDS, base_std, task
 from tests.motion.robots import ARMS, arm_folder
@@ -28,6 +29,7 @@ from tests.motion.robots import ARMS, arm_folder
 from exogauge.criteria.motion_excite import USUAL
 from exogauge.experiment.envelope import random_motion, within
 from exogauge.identification.identify import identify
+from exogauge.identification.prior import inertial_std
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.motion.excite.excited import Excited
@@ -37,27 +39,42 @@ from exogauge.motion.excite.promise import promised
 from exogauge.motion.excite.search import best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.consistency import is_physical
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.robot_file import load_robot
 from exogauge.terminal import text_table
 
 Array = NDArray[np.float64]
-RATE_HZ, ROBOTS, DEVIATES = 200.0, 8, 0.1
-AS_NUMBERS = Settings(prior_strength=1.0)  # the robots are drawn as the prior says
+RATE_HZ, ROBOTS, DRAWS = 200.0, 8, 10000
+AS_NUMBERS: tuple[Settings, ...] = (  # the robots are drawn as the prior says, which is that of `free`
+    Settings(prior_strength=1.0, consistency="free"), Settings(prior_strength=1.0),
+)  # fmt: skip
 
 
-def report(robots: int = ROBOTS) -> None:
+def report(robots: int = ROBOTS, names: tuple[str, ...] = tuple(ARMS)) -> None:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for name in ARMS:
-            rows.append([name, *proved(arm_folder(Path(folder) / name, name), robots)])
-            print(*rows[-1], flush=True)
+        for name in names:
+            for settings in AS_NUMBERS:
+                rows.append(
+                    [name, settings.consistency, *proved(arm_folder(Path(folder) / name, name), robots, settings)]
+                )
+                print(*rows[-1], flush=True)
     print(f"\n{robots} robots each, recorded by MuJoCo")
-    heads = ("robot", "promised", "found", "planned: error / std", "random: error / std", "again, mean ln", "median")
+    heads = (
+        "robot",
+        "links",
+        "promised",
+        "found",
+        "planned: error / std",
+        "random: error / std",
+        "again, mean ln",
+        "median",
+    )
     print(text_table(heads, rows))
 
 
-def proved(path: Path, robots: int) -> list[str]:
+def proved(path: Path, robots: int, settings: Settings) -> list[str]:
     robot = load_robot(path.parent, path.name)
     first = plan_excitation(path, SECONDS).planned
     other = Excited(first.task, usual_random(path))
@@ -66,17 +83,17 @@ def proved(path: Path, robots: int) -> list[str]:
     missed: list[list[Array]] = [[], [], [], []]
     second: Excited | None = None
     for _ in range(robots):
-        urdf = drawn(path.parent / "robot.urdf", rng)
+        urdf = drawn(path, robot, rng)
         truth = base_of(path, urdf)
         logs = [recorded(urdf, robot, each, f"{k}", rng) for k, each in enumerate((first, other, first))]
         if second is None:
-            found = identify(robot, [Recording(logs[0], False)], AS_NUMBERS)
+            found = identify(robot, [Recording(logs[0], False)], settings)
             moving = load_motion_robot(path)
             of = task_of(robot, moving, SECONDS, USUAL, information_of(found))
             second = Excited(of, best_motion(of, np.random.default_rng(1)))
         logs.append(recorded(urdf, robot, second, "3", rng))
         for which, used in enumerate(([0], [1], [0, 2], [0, 3])):
-            fitted = identify(robot, [Recording(logs[k], False) for k in used], AS_NUMBERS)
+            fitted = identify(robot, [Recording(logs[k], False) for k in used], settings)
             told = [each.value for each in fitted.parameters if each.name.startswith("base[")]
             missed[which].append(np.array(told) - truth)
     planned, by_chance, repeated, knowing = (np.sqrt(np.mean(np.square(each), axis=0)) for each in missed)
@@ -105,28 +122,33 @@ def doubt(robot: Robot, planned: list[Excited]) -> Array:
     return np.array([each.std for each in promised(robot, planned).certain if each.kind == "base"])
 
 
-def drawn(urdf: Path, rng: np.random.Generator) -> bytes:
-    """Every link's mass, centre and inertia as far off as its prior says; what cannot be is drawn anew."""
-    root = ElementTree.fromstring(urdf.read_bytes())
+def drawn(path: Path, robot: Robot, rng: np.random.Generator) -> bytes:
+    """All ten numbers of every moving link as far off as its prior says; what cannot be is drawn anew.
+
+    A draw of mass, centre and size alone leaves what is zero in the URDF as it is: of UR10 half of the base parameters
+    were then exactly as stated, and their errors smaller than any prior would have them.
+    """
+    root = ElementTree.fromstring((path.parent / "robot.urdf").read_bytes())
     for link in root.iter("link"):
-        for what in ("visual", "collision"):
-            for each in link.findall(what):
-                link.remove(each)
-        inertial = link.find("inertial")
-        if inertial is None:
-            continue
-        factor = float(np.exp(DEVIATES * rng.standard_normal()))
-        mass, inertia, origin = inertial.find("mass"), inertial.find("inertia"), inertial.find("origin")
-        assert mass is not None
-        assert inertia is not None
-        mass.set("value", repr(factor * float(mass.get("value", "0"))))
-        turned = factor * float(np.exp(DEVIATES * rng.standard_normal()))
-        for key, value in inertia.attrib.items():
-            inertia.set(key, repr(turned * float(value)))
-        if origin is not None:
-            centre = np.array([float(each) for each in origin.get("xyz", "0 0 0").split()])
-            centre *= np.exp(DEVIATES * rng.standard_normal(3))
-            origin.set("xyz", " ".join(repr(float(each)) for each in centre))
+        for each in [each for each in link if each.tag in ("visual", "collision", "inertial")]:
+            link.remove(each)
+    for joint in root.findall("joint"):
+        if joint.get("name") not in robot.tree.joints:  # held at zero: what it carries belongs to the link before
+            joint.set("type", "fixed")
+    links = {link.get("name"): link for link in root.iter("link")}
+    for name, phi, std in zip(robot.tree.bodies, robot.tree.phi, inertial_std(robot), strict=True):
+        for _ in range(DRAWS):
+            body = phi + std * rng.standard_normal(10)
+            if is_physical(body):
+                break
+        else:
+            raise ValueError(f"{name}: no body of {DRAWS} that were drawn can exist")
+        own = pin.Inertia.FromDynamicParameters(body)
+        inertial = ElementTree.SubElement(links[name], "inertial")
+        ElementTree.SubElement(inertial, "mass", value=repr(float(own.mass)))
+        ElementTree.SubElement(inertial, "origin", xyz=" ".join(repr(float(each)) for each in own.lever), rpy="0 0 0")
+        turns = {f"i{'xyz'[a]}{'xyz'[b]}": repr(float(own.inertia[a, b])) for a in range(3) for b in range(a, 3)}
+        ElementTree.SubElement(inertial, "inertia", turns)
     return ElementTree.tostring(root)
 
 
@@ -168,4 +190,4 @@ def recorded(urdf: bytes, robot: Robot, planned: Excited, name: str, rng: np.ran
 
 
 if __name__ == "__main__":
-    report(*(int(each) for each in sys.argv[1:2]))
+    report(*(int(each) for each in sys.argv[1:2]), names=tuple(sys.argv[2:]) or tuple(ARMS))

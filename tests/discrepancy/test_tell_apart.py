@@ -13,7 +13,7 @@ from exogauge.criteria.planning import Planning
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
-from exogauge.experiment.design import _Known, tell_apart, with_motions
+from exogauge.experiment.design import Known, tell_apart, with_motions
 from exogauge.experiment.motion_choices import choices
 from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import carrying, room
@@ -212,7 +212,7 @@ def test_units_change_nothing(fast_only, pair, doubt):
 def test_what_is_left_is_what_a_fit_of_all_rows_leaves(fast_only, doubt):
     """Logs, planned motion and prior stacked and solved at once."""
     model = with_next_log(fast_only.found.model)
-    here, known = room(model, fast_only.logs), _Known.of(doubt)
+    here, known = room(model, fast_only.logs), Known.of(doubt)
     sweep = choices(model, here, [SWEPT], slow_change=False)[0]
     new = new_rows(doubt, model, here, sweep, known.kept)
     after = known.after(new).left(3.0)
@@ -274,7 +274,7 @@ def test_no_choice_leaves_the_limits(robot, fast_only, speed):
 
 def test_a_motor_is_not_asked_for_more_than_it_has(robot, fast_only, doubt):
     model = with_next_log(fast_only.found.model)
-    here, known = room(model, fast_only.logs), _Known.of(doubt)
+    here, known = room(model, fast_only.logs), Known.of(doubt)
     choice = choices(model, here, [SWEPT], slow_change=False)[0]
     assert new_rows(doubt, model, here, choice, known.kept) is not None
     weak = replace(robot, tree=replace(robot.tree, effort_limit=np.full(3, 0.5)))  # [N·m]; the arm weighs 9 kg

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -122,6 +123,38 @@ def test_hrpsys_has_the_pressure_in_the_waist_and_the_waist_in_the_world(robot, 
         assert world == pytest.approx(judged.pressure[t], abs=1e-6)
         assert abs(world[2]) < 1e-3
     assert rows[".waist"][90, 3] - rows[".waist"][0, 3] < -0.005  # it sinks
+
+
+def test_every_format_says_when_a_foot_is_up(robot, motion, judged, tmp_path: Path) -> None:
+    stands = np.ones_like(judged.stands)
+    stands[40:60, 0] = False
+    lifts = replace(judged, stands=stands, broken=())
+    (left, right) = (sole.link for sole in robot.soles)
+    told = f"stands.{left}: 0 from {judged.time[40]:g} to {judged.time[59]:g} s, else 1"
+    columns = np.loadtxt(io.BytesIO(exported(robot, motion, lifts, "hrpsys")[".stands"]))[:, 1:]
+    assert (columns == stands).all()
+    rows = [line.split(";") for line in one(robot, motion, lifts, "mc_rtc").decode().splitlines()]
+    assert rows[0][-2:] == [f"stands.{left}", f"stands.{right}"]
+    assert (np.array([row[-2:] for row in rows[1:]], dtype=float) == stands).all()
+    assert f"# {told}\n" in one(robot, motion, lifts, "ros2-yaml").decode()
+    assert yaml.safe_load(one(robot, motion, lifts, "ros2-yaml"))["joint_names"] == list(robot.joints)
+    head = one(robot, motion, lifts, "mot").decode().split("endheader")[0]
+    assert told in head.splitlines()
+    (tmp_path / "motion.mot").write_bytes(one(robot, motion, lifts, "mot"))
+    assert open_motion(tmp_path / "motion.mot").angles is not None
+    (tmp_path / "motion.mcap").write_bytes(one(robot, motion, lifts, "ros2-mcap"))
+    reader, store = McapReader(tmp_path / "motion.mcap"), get_typestore(Stores.ROS2_HUMBLE)
+    reader.open()
+    feet = [(each.topic, at, store.deserialize_cdr(bytes(raw), each.msgtype).data)
+            for each, at, raw in reader.messages(reader.connections) if each.topic.startswith("/stands")]  # fmt: skip
+    reader.close()
+    changes = [round(judged.time[t] * 1e9) for t in (40, 60)]
+    assert [each[1:] for each in feet if each[0] == f"/stands/{left}"] == [
+        (0, True), (changes[0], False), (changes[1], True)
+    ]  # fmt: skip
+    assert [each[1:] for each in feet if each[0] == f"/stands/{right}"] == [(0, True)]
+    for form in FORMATS:
+        assert b"stands" not in one(robot, motion, judged, form) if form not in ("mujoco", "hrpsys") else True
 
 
 def mujoco_turn(angle: float, axis: str) -> np.ndarray:

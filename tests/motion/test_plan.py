@@ -26,9 +26,10 @@ from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import PRESSURE, at_home
+from exogauge.motion.plan.export import exported, sheet
 from exogauge.motion.plan.judge import Judged, judge
-from exogauge.motion.plan.outcome import motion_table, slow
-from exogauge.motion.plan.possible import Possible, what_would_do
+from exogauge.motion.plan.outcome import margins, motion_table, slow, summarise
+from exogauge.motion.plan.possible import what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import Round, plan
@@ -319,9 +320,21 @@ def just_enough(robot: MotionRobot) -> float:
 
 @pytest.mark.parametrize("share", [0.97, 0.9])
 def test_what_home_lacks_is_told_at_once_with_a_home_that_would_do(robot: MotionRobot, share: float) -> None:
+    """And nothing else is told of a motion that nobody planned: what is asked jumps, and would leave the ground."""
     rounds, lacking = list[Round](), weak(robot, share * just_enough(robot))
-    _, judged = plan_within(lacking, bend(robot, 0.2, 1.0), report=rounds.append)
+    asked = bend(robot, 0.2, 1.0)
+    asked.q[20:40:2, 2] += 0.02
+    planned, judged = plan_within(lacking, asked, report=rounds.append)
     assert not rounds
+    assert np.ptp(judged.q, axis=0) == pytest.approx(0.0, abs=1e-12)
+    assert judged.carried == pytest.approx(1.0)
+    assert np.ptp(judged.inside) == pytest.approx(0.0, abs=1e-9)
+    assert 0.0 < judged.inside[0] < 0.11  # in a sole
+    assert all("torque of " in line for line in judged.broken[2:])
+    turn = np.tile(np.eye(3), (2, 1, 1))
+    still = Person("still", np.arange(2.0), np.zeros((2, 3)), turn, turn, {}, 0.8)
+    told = summarise(lacking, still, asked, np.zeros(1), planned, judged)
+    assert not any("given" in str(line) for line in told.values())
     rest = at_home(lacking, USUAL)
     assert judged.broken[0] == str(rest)
     assert f"torque of {rest.what}" in judged.broken[0]
@@ -344,7 +357,41 @@ def test_nothing_is_planned_for_a_robot_that_cannot_stand_at_home(robot: MotionR
     assert "at home" in judged.broken[0]
     still = Person("still", np.arange(2.0), np.zeros((2, 3)), np.tile(np.eye(3), (2, 1, 1)),
                    np.tile(np.eye(3), (2, 1, 1)), {}, 0.8)  # fmt: skip
-    assert what_would_do(weak(robot, 0.01), still) == Possible(None, None)
+    assert what_would_do(weak(robot, 0.01), still) is None
+
+
+def test_where_the_feet_carry_next_to_nothing_no_centre_of_pressure_is_told(robot: MotionRobot) -> None:
+    """The whole robot hops by .1 m in .3 s: there its weight is taken off the feet, which hold it down then."""
+    asked = bend(robot, 0.0, 0.5)
+    q = asked.q.copy()
+    q[:, 2] += 0.05 * (1.0 - np.cos(np.linspace(0.0, 2.0 * np.pi, len(q))))
+    judged = judge(robot, through(q, asked.step), asked.place[0])
+    off = judged.carried < USUAL.least_weight
+    assert off.any()
+    assert not off.all()
+    assert (np.isnan(judged.inside) == off).all()
+    assert (np.isnan(judged.pressure[:, 0]) == off).all()
+    said = margins(robot, judged)
+    assert "the feet carry too little" in str(said["centre of pressure"])
+    assert "nan" not in str(said)
+    assert any(line.startswith("weight on the feet") for line in judged.broken)
+    with pytest.raises(BadMotion, match="centre of pressure"):
+        exported(robot, through(q, asked.step), judged, "hrpsys")
+    assert sheet(robot, judged, "csv", {}, {})["margin_m"]["pressure_inside_soles"] == pytest.approx(
+        judged.least_inside, abs=1e-5
+    )
+
+
+def test_a_broken_bound_is_told_with_its_size_and_by_how_much(robot: MotionRobot, bent) -> None:
+    asked, planned = bent
+    j = robot.joints.index("torso_pitch")
+    largest = float(np.abs(judge(robot, planned.spline, asked.place[0], planned=planned).torque[:, j]).max())
+    torque = robot.limits.torque.copy()
+    torque[j] = 0.8 * largest
+    lacking = replace(robot, limits=replace(robot.limits, torque=torque))
+    (line,) = judge(lacking, planned.spline, asked.place[0], planned=planned).broken
+    assert line.startswith("torque of torso_pitch: ")
+    assert f"125 % of its bound {torque[j]:.4g}" in line
 
 
 def test_a_stretch_whose_rounds_come_no_nearer_is_given_up_and_told(robot: MotionRobot) -> None:

@@ -165,6 +165,19 @@ def stamps_jitter(seed: int, by: float = 2e-4) -> Spoil:
     return spoil
 
 
+def low_passed(seconds: float) -> Spoil:
+    """A sensor with one pole: what it reads of what hardly changes is late by so much."""
+    pole = seconds / (seconds + PERIOD)
+
+    def change(read: Array) -> Array:
+        out = read.copy()
+        for k in range(1, len(out)):
+            out[k] = pole * out[k - 1] + (1.0 - pole) * read[k]
+        return out
+
+    return wrench(change)
+
+
 def wrench(change: Callable[[Array], Array]) -> Spoil:
     """(T, 6) as read -> what is logged instead."""
     return lambda _name, table: np.column_stack([table[:, :6], change(table[:, 6:])])

@@ -60,7 +60,7 @@ def add_commands(commands: Commands) -> None:
     margin = "by which the centre of pressure keeps inside the soles (default: 0.02)"
     plan.add_argument("--margin", type=float, metavar="M", help=margin)
     less = "where it cannot be had: how much slower, or which share of the trunk's angle can"
-    plan.add_argument("--what-would-do", action="store_true", help=less)
+    plan.add_argument("--what-would-do", action=argparse.BooleanOptionalAction, default=True, help=less)
     _add_export(plan)
     add_server(plan)
     plan.set_defaults(command=retarget_motion)

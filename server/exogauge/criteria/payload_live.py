@@ -67,6 +67,12 @@ class Streaming:
     late_s: float = criterion(
         0.1, "s", "behind the quickest sample so far: more than the smoother waits for", derived("its lag, 0.1 s")
     )
+    straight_s: float = criterion(
+        0.001,
+        "s",
+        "that a wrench may be later than it is taken to be, and a straight line still says what that does",
+        derived("of a motion of 2 Hz the square leaves (2π · 2 · 0.001)² / 2 = 1e-4"),
+    )
     judged_s: float = criterion(20.0, "s", "of a log, by which the density of its jerk is chosen", judgement(RULES))
 
 

@@ -48,20 +48,9 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
     one joint is swept, and within its own bounds alone. None where no motion can be planned: the joint carries the
     robot, its feet's sensors are in question, only one log has the effect, or the logs move too little to say what the
     robot may do."""
-    if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
-        return None
-    if any(isinstance(each.candidate.site, SensorSite) and each.candidate.site.contact for each in doubt.contenders):
-        return None
-    here, model = room(doubt.model, logs), with_next_log(doubt.model)
-    sites = [each.candidate.site for each in doubt.contenders]
-    slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in doubt.contenders)
-    known = _Known.of(doubt)
-    reach = None if moving is None else _reach(moving, doubt.model, here)
-    tried = []
-    for choice in _possible(model, here, sites, slow_change, reach):
-        rows = new_rows(doubt, model, here, choice, known.kept)
-        if rows is not None:
-            tried.append(_Tried.of(known, choice, rows))
+    here, known = room(doubt.model, logs), Known.of(doubt)
+    reach = None if moving is None else reach_in(moving, doubt.model, here)
+    tried = tries(known, here, reach) if can_be_planned(doubt) else []
     if not tried:
         return None
     everyone, criteria = range(1, len(doubt.contenders)), doubt.model.criteria.planning
@@ -83,9 +72,30 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
     return Outcome(tuple(apart[k] for k in everyone), tuple(motions))
 
 
+def can_be_planned(doubt: Undecided) -> bool:
+    """Not where an effect is in one log alone, or the feet's sensors are in question."""
+    if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
+        return False
+    sites = [each.candidate.site for each in doubt.contenders]
+    return not any(isinstance(site, SensorSite) and site.contact for site in sites)
+
+
+def tries(known: Known, here: Room, reach: Reach | None) -> list[Tried]:
+    """Every motion that is considered, with what it would do."""
+    doubt, model = known.doubt, with_next_log(known.doubt.model)
+    sites = [each.candidate.site for each in doubt.contenders]
+    slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in doubt.contenders)
+    found = []
+    for choice in _possible(model, here, sites, slow_change, reach):
+        rows = new_rows(doubt, model, here, choice, known.kept)
+        if rows is not None:
+            found.append(Tried.of(known, choice, rows))
+    return found
+
+
 @final
 @dataclass(frozen=True)
-class _Known:
+class Known:
     """What the logs say, over the R parameters that the rows in question hold; kept: (R,) which.
 
     root: (R, R) of their covariance from data and prior, all other parameters fitted. taken: (R, C) by how much
@@ -99,7 +109,7 @@ class _Known:
     now: Array
 
     @staticmethod
-    def of(doubt: Undecided) -> _Known:
+    def of(doubt: Undecided) -> Known:
         model = doubt.model
         own, free = model.equations.columns(), model.solution.prior.free
         kinds = {kind for each in doubt.contenders for kind in each.candidate.site.kinds(model.equations)}
@@ -111,7 +121,7 @@ class _Known:
         scaled, V = np.linalg.eigh(covariance / np.outer(size, size))
         root = size[:, None] * V * np.sqrt(np.maximum(scaled, 0.0))
         taken = root @ (root.T @ B)
-        return _Known(doubt, kept, root, taken, doubt.S - B.T @ taken)
+        return Known(doubt, kept, root, taken, doubt.S - B.T @ taken)
 
     def after(self, rows: NewRows) -> _After:
         """What repeats of a motion would leave. What its rows say is what the logs did not foretell."""
@@ -154,7 +164,7 @@ class _Known:
             lost = max(lost, float(2.0 * g @ instead_of - instead_of @ U @ instead_of))
         return max(whole - lost, 0.0), whole
 
-    def pair(self, k: int, tried: _Tried, repeats: int) -> Apart:
+    def pair(self, k: int, tried: Tried, repeats: int) -> Apart:
         rival, then = self.doubt.contenders[k].candidate, tried.after.left(repeats)
         true, instead = min(self._truths(k), key=lambda both: self._apart(both[0], both[1], then)[0])
         (left_now, whole_now), (left_then, whole_then) = (self._apart(true, instead, L) for L in (self.now, then))
@@ -196,7 +206,7 @@ class _After:
 
 @final
 @dataclass(frozen=True)
-class _Tried:
+class Tried:
     """A motion and what it would do. seconds: of one repeat. gain: rival -> evidence of one repeat. repeats: rival ->
     how many until it is sure, or None."""
 
@@ -207,11 +217,11 @@ class _Tried:
     repeats: dict[int, float | None]
 
     @staticmethod
-    def of(known: _Known, choice: Choice | Moving, rows: NewRows) -> _Tried:
+    def of(known: Known, choice: Choice | Moving, rows: NewRows) -> Tried:
         after, everyone = known.after(rows), range(1, len(known.doubt.contenders))
         gain = {k: known.evidence(k, after.left(1.0)) - known.evidence(k, known.now) for k in everyone}
         repeats = {k: _needed(known, after, rows.seconds, k, gain[k]) for k in everyone}
-        return _Tried(choice, rows.seconds, after, gain, repeats)
+        return Tried(choice, rows.seconds, after, gain, repeats)
 
     def cost(self, rivals: set[int], amply: float) -> tuple[int, float, float]:
         """How many it does not tell apart; [s] until it does the others amply, with what is awkward of it; and, of what
@@ -222,7 +232,7 @@ class _Tried:
         return len(rivals) - len(told), max(needed, 1.0) * self.seconds * self.choice.price, -worth
 
 
-def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -> float | None:
+def _needed(known: Known, after: _After, seconds: float, k: int, once: float) -> float | None:
     """Repeats until the evidence has grown by `enough`; None where that takes more than `longest_s`."""
     searched = 6  # halvings of that time
     criteria = known.doubt.model.criteria.planning
@@ -242,7 +252,7 @@ def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -
     return high
 
 
-def _closest(tried: Sequence[_Tried], k: int) -> _Tried:
+def _closest(tried: Sequence[Tried], k: int) -> Tried:
     """The motion that leaves most between the finding and rival k, though not enough."""
     return max(tried, key=lambda each: each.gain[k] / each.seconds)
 
@@ -252,7 +262,7 @@ def _in_one_log(shapes: Sequence[object], values: Sequence[float]) -> bool:
 
 
 def _motion(
-    doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart], reach: Reach | None
+    doubt: Undecided, here: Room, best: Tried, repeats: int, pairs: Sequence[Apart], reach: Reach | None
 ) -> PlannedMotion:
     robot, choice = doubt.model.robot, best.choice
     log = as_log(doubt.model, here, choice, doubt.model.criteria.planning.handed_hz)
@@ -284,7 +294,7 @@ def _motion(
     )
 
 
-def _reach(moving: MotionRobot, model: RobotModel, here: Room) -> Reach:
+def reach_in(moving: MotionRobot, model: RobotModel, here: Room) -> Reach:
     return reach_of(moving, model.robot, here, asked_of(model), model.criteria.planning)
 
 

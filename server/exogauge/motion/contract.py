@@ -57,7 +57,7 @@ class ContactsEntry(_Part):
 class RetargetEntry(_Part):
     """begin, end: of the capture [s]. slow: times the time. repeat: times. share: of the trunk's angle. without: of
     what nothing is asked. margin_m: by which the centre of pressure keeps inside the soles. what_would_do: where it
-    cannot be had, find what can. rate_hz: at which it is judged and written."""
+    cannot be had, find what can, which may take minutes. rate_hz: at which it is judged and written."""
 
     begin: float = Field(default=0.0, ge=0.0)
     end: float | None = Field(default=None, gt=0.0)
@@ -67,7 +67,7 @@ class RetargetEntry(_Part):
     share: float = Field(default=1.0, ge=0.0, le=2.0)
     without: list[Literal["arms", "pelvis"]] = Field(default_factory=list, max_length=2)
     margin_m: float = Field(default=USUAL.margin_m, ge=0.005, le=0.2)
-    what_would_do: bool = False
+    what_would_do: bool = True
     rate_hz: float = Field(default=200.0, ge=20.0, le=2000.0)
 
     @model_validator(mode="after")

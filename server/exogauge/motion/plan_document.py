@@ -22,14 +22,15 @@ VERSION = 1
 
 
 def retarget_document(found: Retargeted) -> dict[str, Any]:
-    """`trunk`: per joint, asked and given [rad]; `margins`; `broken`; `would_do`, null where nobody asked."""
+    """`trunk`: per joint, asked and given [rad]; `margins`; `broken`; `would_do`, null where nobody asked, or home
+    lacks what it needs."""
     robot, judged = found.robot, found.judged
     given = found.planned.spline.at_nodes()[0]
     trunk = []
     for j in robot.torso:
         asked, had = found.asked.q[:, robot.base + j], given[:, robot.base + j]
         outside = (asked < robot.limits.lower[j]) | (asked > robot.limits.upper[j])
-        off = (had - asked)[~outside]
+        off = (had - asked)[~outside] if found.planned.rounds else had[:0]  # nothing is given where nothing is planned
         trunk.append({
             "joint": robot.joints[j], "asked": span(asked), "given": span(had),
             "bound": [float(robot.limits.lower[j]), float(robot.limits.upper[j])],
@@ -71,7 +72,7 @@ def margins(robot: MotionRobot, judged: Judged, acceleration: Array) -> dict[str
         bounds.append({"kind": kind, "joint": robot.joints[j], "share": share, "time": float(judged.time[t])})
     standing = bool(robot.soles) and robot.floating
     return {
-        "pressure_inside_m": float(judged.inside.min()) if standing else None,
+        "pressure_inside_m": judged.least_inside if standing else None,
         "weight_carried": float(judged.carried.min()) if standing else None,
         "feet_m": judged.feet_m if standing else None, "feet_rad": judged.feet_rad if standing else None,
         "apart_m": float(judged.apart.min()) if robot.shapes else None,

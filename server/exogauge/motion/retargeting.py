@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Retargeted:
     """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
-    where nobody asked or nothing is broken."""
+    where nobody asked, nothing is broken, or another home is what would do."""
 
     robot: MotionRobot
     person: Person

@@ -8,6 +8,7 @@
 - `stages`, `evaluate`, `compute`: the recipe, step by step, whole, and as a job
 - `results`, `schema`, `tables`, `report`, `summary`, `exports`: what is told, for machines and people
 - `planning`: what to record
-- `live`, `live_start`, `live_input`, `live_track`, `live_fit`, `live_frames`: a stream, sample by sample
-- `live_process`, `live_messages`, `live_lines`, `live_text`, `live_record`: that stream's process, and what it says
+- `live`, `live_start`, `live_input`, `live_track`, `live_retimed`, `live_fit`: a stream, sample by sample
+- `live_process`, `live_frames`, `live_messages`, `live_lines`, `live_text`, `live_record`: that stream's process, and
+  what it says
 """

@@ -16,7 +16,7 @@ from exogauge.payload.contact import Compensation
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
-from exogauge.payload.intake import Payload
+from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturation
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
@@ -141,6 +141,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
             progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
             again = _still(payload, clean.holds, clean.acceleration, criteria)
             stages = _stages(payload, clean, sign, *again, criteria, missing.doubt)
+    elif missing.late is not None:
+        stages = _stages(payload, logs, sign, postures, said, criteria, missing.late_doubt)
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
@@ -227,6 +229,13 @@ def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cr
         mu, mu_std, cause = excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing)
         reading = reading_of_mu(mu, mu_std, cause, criteria.payload_dynamic)
         out += [reading] if reading else []
+    if missing.late is not None:
+        late, std = (1e3 * each for each in missing.late)
+        way = "late" if late > 0.0 else "early"
+        out.append(
+            f"The wrench seems {abs(late):.2g} ± {std:.1g} ms {way} against the pose: too little to be named; the "
+            "doubt of all numbers holds it."
+        )
     if excitation.left_out and (rigid is not None or not missing.found):
         spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
         out.append(f"Something touched the payload in the excitation; left out: {spans}.")
@@ -388,4 +397,15 @@ def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteri
         )
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
-    return find_lag(frame, rows, criteria.payload_static) if carrying else frame
+    if not carrying:
+        return frame
+    found = find_lag(frame, rows, criteria.payload_static)
+    return replace(found, lag_std_s=float(np.hypot(found.lag_std_s, max(map(_clocks_std, carrying)))))
+
+
+def _clocks_std(recording: Recording) -> float:
+    """Std [s] of what stamps of several clocks leave open: each says when a sample was there, which was taken at any
+    time in the period before. 0 with one clock."""
+    streams = (recording.wrench, recording.pose, recording.acceleration)
+    periods = {each.file: float(np.median(np.diff(each.time))) for each in streams if each is not None}
+    return float(np.linalg.norm(list(periods.values()))) / np.sqrt(12.0) if len(periods) > 1 else 0.0

@@ -10,15 +10,17 @@ from typing import final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import CARRYING, Carrying
 from exogauge.criteria.payload_doctor import USUAL, Complaining
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten
 from exogauge.logs.even_stamps import even_stamps
+from exogauge.logs.noise import noise_of, quantisation_step
 from exogauge.logs.open_table import open_table
 from exogauge.logs.reading import refuse, time_faults, value_faults
 from exogauge.logs.tables import Table, as_vector, read_names
 from exogauge.logs.units import find_unit, units_of
-from exogauge.payload.contract import LogEntry, PayloadFile, Role
+from exogauge.payload.contract import LogEntry, PayloadFile, Role, WrenchNoise
 from exogauge.payload.log_names import log_names
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -45,10 +47,35 @@ class Stream:
 
 @final
 @dataclass(frozen=True)
+class Steps:
+    """size: (6,) [N, N·m] of the converter's steps, 0 where none are seen. noise: (6,) of a sample that moves, with
+    rounding, where steps are coarser than the stated noise and motion shows it; else 0."""
+
+    size: Array
+    noise: Array
+
+
+NO_STEPS = Steps(np.zeros(6), np.zeros(6))
+
+
+def steps_of(wrench: Stream, stated: WrenchNoise, *, still: bool, criteria: Carrying = CARRYING) -> Steps:
+    """still: whether nothing moves, so that rounding is no noise."""
+    size = np.array([quantisation_step(each) or 0.0 for each in wrench.values.T])
+    noise, coarse = np.zeros(6), size > np.repeat([stated.force_n, stated.moment_nm], 3)
+    if coarse.any() and not still:
+        rate = 1.0 / float(np.median(np.diff(wrench.time)))
+        told = noise_of(list(wrench.values.T[coarse]), rate, criteria.above_motion * rate / 2)
+        noise[coarse] = [each.std for each in told]
+    return Steps(size, noise)
+
+
+@final
+@dataclass(frozen=True)
 class Recording:
     """wrench: (T, 6) as read. angles: (T, J) [rad] or None; rotation: (T, 9) R_BS or None; position: (T, 3) or None;
     acceleration: (T, 3) [m/s²] of the IMU in its own axes, or None. each_row: rows are postures, time is their number.
     evened: std [s] of stamps that jittered though samples were taken evenly, and were replaced; 0 where none were.
+    steps: of what resolution the wrench is.
     """
 
     name: str
@@ -60,6 +87,7 @@ class Recording:
     acceleration: Stream | None
     each_row: bool
     evened: float = 0.0
+    steps: Steps = NO_STEPS
 
     @property
     def pose(self) -> Stream:
@@ -187,7 +215,8 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, crit
         advice = "All files of a log must count time from the same instant; check `time.unit` and `span`."
         raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
     assert parts[0] is not None
-    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened)
+    steps = steps_of(parts[0], sensor.noise, still=entry.each_row or entry.role == "postures")
+    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened, steps)
 
 
 def _span(stream: Stream) -> str:

@@ -29,7 +29,8 @@ Zero = Literal["none", "taking", "held", "beyond", "refused"]
 @dataclass(frozen=True)
 class Start:
     """What is known when a stream begins. gravity: (3,) [m/s²] in {B}. sign: s. std: (6,) [N, N·m] of one wrench.
-    believed: (16,) std of x of a payload of which nothing is known."""
+    believed: (16,) std of x of a payload of which nothing is known. late: [s] by which wrenches are late,
+    and its std, where logs say it."""
 
     pose: Pose
     gravity: Array
@@ -39,6 +40,7 @@ class Start:
     believed: Array
     false_alarms_per_hour: float = 1.0
     criteria: Criteria = USUAL
+    late: tuple[float, float] | None = None
 
 
 @final
@@ -60,12 +62,14 @@ class Sensed:
 @dataclass(frozen=True)
 class Known:
     """At `time` [s]. threshold: [N] force that counts as contact in this posture, in its least certain direction.
-    left_out: samples in or beside an alarm, which were not used."""
+    left_out: samples in or beside an alarm, which were not used. late: [s] by which wrenches are late, and its std,
+    which is taken off; None where they are not, as far as is known."""
 
     time: float
     estimate: Estimate
     threshold: float
     left_out: int
+    late: tuple[float, float] | None = None
 
 
 @final
@@ -76,8 +80,11 @@ class Live:
                  ) -> None:  # fmt: skip
         self.start, self.rate_hz = start, rate_hz
         says = self._says = start.criteria.payload_live
-        self.track = Track(start.pose, rate_hz, start.gravity, still=still, criteria=says)
-        self.fit = LiveFit(start.prior, start.believed, start.criteria)
+        farthest = start.criteria.payload.latest_s
+        self.track = Track(start.pose, rate_hz, start.gravity, still=still, criteria=says, farthest_s=farthest)
+        self.track.retimed.late = 0.0 if start.late is None else start.late[0]
+        self.fit = LiveFit(start.prior, start.believed, start.criteria, named=start.late is not None)
+        self._told_late = start.late
         self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
         self.given = 0  # samples that came out
         self.left_out = 0
@@ -89,8 +96,9 @@ class Live:
         self._thawed = 0  # samples used since the estimate was frozen
         self._wrench = np.zeros((0, 6))
         self._held = Held(
-            np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros((0, 3, 2)), np.zeros(0, bool), np.zeros(0, bool)
-        )
+            np.zeros((0, 6, 17)), np.zeros((0, 6, 10)), np.zeros((0, 17, 17)), np.zeros((0, 3, 2)),
+            np.zeros(0, bool), np.zeros(0, bool),
+        )  # fmt: skip
         self._unlearned = list[tuple[SensorMotion, Array, NDArray[np.bool_], NDArray[np.bool_]]]()
         self._last_time = np.nan
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
@@ -145,7 +153,23 @@ class Live:
             self._compensation = self._compensated(estimate)
             force = touched.spread[-1, :3, :3]
             threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
-            yield Known(float(motion.time[-1]), estimate, threshold, self.left_out)
+            self._told_late = self._late(estimate)
+            yield Known(float(motion.time[-1]), estimate, threshold, self.left_out, self._told_late)
+
+    def _late(self, estimate: Estimate) -> tuple[float, float] | None:
+        """By how much wrenches are late. Where that is more than chance it is taken off from now on, and the fit begins
+        anew where it was taken by too much of it for a straight line."""
+        more = estimate.late
+        if more is not None and abs(more[0]) > self.start.criteria.payload_dynamic.mu_stds * more[1]:
+            self.fit.named = True
+            retimed, most = self.track.retimed, self.start.criteria.payload.latest_s
+            if abs(more[0]) > self._says.straight_s:
+                retimed.late = float(np.clip(retimed.late + more[0], -most, most))
+                self.fit = LiveFit(self.start.prior, self.start.believed, self.start.criteria, named=True)
+                return retimed.late, more[1]
+        if not self.fit.named or more is None:
+            return self._told_late
+        return self.track.retimed.late + more[0], more[1]
 
     def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
         """Rows wait until it is known that no alarm follows them."""
@@ -158,7 +182,10 @@ class Live:
             self._barred = int(k) + self._after + 1
         self._barred = max(self._barred - len(alarm), 0)
         assert rows.tipped is not None
-        held = self._held.then(Held(rows.z, rows.noise, rows.tipped, barred, trusted & exciting(rows, self._says)))
+        body = rows.z[:, :, :10]
+        rates = np.gradient(body, motion.time, axis=0) if len(body) > 1 else np.zeros_like(body)
+        use = trusted & exciting(rows, self._says)
+        held = self._held.then(Held(rows.z, rates, rows.noise, rows.tipped, barred, use))
         for k in alarms:
             at = len(held.barred) - len(alarm) + k
             held.barred[max(at - self._before, 0) : at] = True
@@ -167,7 +194,8 @@ class Live:
         self.left_out += int(np.sum(held.exciting[:ripe] & held.barred[:ripe]))
         if use.any():
             self.fit.take(
-                Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign, held.tipped[:ripe][use])
+                Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign, held.tipped[:ripe][use]),
+                held.rates[:ripe][use],
             )
             self._last_used = self._released + int(np.flatnonzero(use)[-1])
             self._thawed += int(use.sum())
@@ -185,6 +213,7 @@ class Held:
     """Rows that wait."""
 
     z: Array
+    rates: Array
     noise: Array
     tipped: Array
     barred: NDArray[np.bool_]
@@ -192,13 +221,15 @@ class Held:
 
     def then(self, more: Held) -> Held:
         return Held(
-            np.concatenate([self.z, more.z]), np.concatenate([self.noise, more.noise]),
-            np.concatenate([self.tipped, more.tipped]),
+            np.concatenate([self.z, more.z]), np.concatenate([self.rates, more.rates]),
+            np.concatenate([self.noise, more.noise]), np.concatenate([self.tipped, more.tipped]),
             np.concatenate([self.barred, more.barred]), np.concatenate([self.exciting, more.exciting]),
         )  # fmt: skip
 
     def after(self, k: int) -> Held:
-        return Held(self.z[k:], self.noise[k:], self.tipped[k:], self.barred[k:], self.exciting[k:])
+        return Held(
+            self.z[k:], self.rates[k:], self.noise[k:], self.tipped[k:], self.barred[k:], self.exciting[k:]
+        )  # fmt: skip
 
 
 @final

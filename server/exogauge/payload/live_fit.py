@@ -23,7 +23,8 @@ State = Literal["static", "converging", "converged", "frozen"]
 class Estimate:
     """value, std: (16,) of x as in `dynamics`; covariance: (16, 16). mu, mu_std: None before a second of motion.
     decided: (16,) whether a number is ten times as sure as it is believed to be of a payload of which nothing is known.
-    used: samples that counted."""
+    used: samples that counted. late: [s] by which the wrench comes later than it is taken to, and its std; None before
+    a second of motion."""
 
     value: Array
     covariance: Array
@@ -32,6 +33,7 @@ class Estimate:
     decided: NDArray[np.bool_]
     state: State
     used: int
+    late: tuple[float, float] | None = None
 
     @property
     def std(self) -> Array:
@@ -44,25 +46,31 @@ class LiveFit:
 
     Samples that do not excite the inertia are not used: at rest rows say the same again and again, and what is
     systematic in them (gravity's direction, a drift) would be taken for certain.
+
+    A wrench that is late by δ adds -δ Ȧ x to the rows. What that takes is sought beside x in the sums of [A b Ȧ]: one
+    step of Newton, exact where δ is small against the motion. It is told of x where δ is `named`.
     """
 
-    def __init__(self, prior: Prior, believed: Array, criteria: Criteria = USUAL) -> None:
-        """believed: (16,) std of x before anything was measured."""
+    def __init__(self, prior: Prior, believed: Array, criteria: Criteria = USUAL, *, named: bool = False) -> None:
+        """believed: (16,) std of x before anything was measured. named: whether a wrench is known to be late."""
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
+        self.named, self._latest = named, criteria.payload.latest_s
         self._surer = criteria.payload_dynamic.decided
         self._known = prior_information(prior)
         self.recursion = Recursion(16, prior.rows, start=prior.value, criteria=criteria.payload_dynamic)
         self.used = 0
-        kept = (self._says.blocks, 17, 17)
-        self._sums, self._noise = np.zeros(kept), np.zeros(kept)
-        self._meat, self._blocks, self._filled = np.zeros((16, 16)), 0, 0
+        self._sums = np.zeros((self._says.blocks, 27, 27))  # of [A b Ȧ] of each block
+        self._noise = np.zeros((self._says.blocks, 17, 17))
+        self._all = np.zeros((27, 27))
+        self._meat, self._blocks, self._filled = np.zeros((17, 17)), 0, 0
         self._across = np.zeros((4, 16, 2))
         self._recent, self._converged = list[Array](), False
         before = np.sqrt(np.diag(prior.covariance)) < self._surer * believed
         self._began = bool(before[4:10].all())  # with an inertia, or since something excited
 
-    def take(self, rows: Rows) -> None:
-        """Rows of samples that excite, and that nothing touches."""
+    def take(self, rows: Rows, rates: Array) -> None:
+        """Rows of samples that excite, and that nothing touches. rates: (T, 6, 10) [1/s] of change of their columns of
+        the body."""
         if not len(rows.z):
             return
         self.recursion.run(rows.z, rows.noise)
@@ -72,8 +80,10 @@ class LiveFit:
         while first < len(rows.z):
             last = min(first + self._says.block - self._filled, len(rows.z))
             here = self._blocks % self._says.blocks
-            z = rows.z[first:last].reshape(-1, 17)
-            self._sums[here] += z.T @ z
+            z = np.concatenate([rows.z[first:last], rates[first:last]], axis=2).reshape(-1, 27)
+            square = z.T @ z
+            self._sums[here] += square
+            self._all += square
             self._noise[here] += rows.noise[first:last].sum(axis=0)
             self._filled += last - first
             first = last
@@ -89,9 +99,11 @@ class LiveFit:
         self._sums[here], self._noise[here] = 0.0, 0.0
 
     def _scores(self, which: slice) -> Array:
-        """(n, 16) of blocks, at the estimate: Aᵀe + μ P v, as in the dynamic stage."""
+        """(n, 17) of blocks, at the estimate: Aᵀe + μ P v, as in the dynamic stage, and cᵀe, c = -Ȧ x."""
         v = np.append(self._value, -1.0)
-        return np.asarray((self.recursion.mu * (self._noise[which] @ v) - self._sums[which] @ v)[:, :16])
+        toward = -self._sums[which][:, :, :17] @ v  # [A b Ȧ]ᵀ e
+        of_x = toward[:, :16] + self.recursion.mu * (self._noise[which] @ v)[:, :16]
+        return np.column_stack([of_x, -toward[:, 17:] @ v[:10]])
 
     @property
     def _value(self) -> Array:
@@ -100,8 +112,7 @@ class LiveFit:
 
     def estimate(self, learning: bool) -> Estimate:
         """learning: whether samples were used lately."""
-        x = self._value
-        covariance = self._covariance()
+        x, covariance, late = self._joint()
         std = np.sqrt(np.diag(covariance))
         wanted = self._says.steady
         self._recent = [*self._recent[-wanted + 1 :], x]
@@ -119,22 +130,40 @@ class LiveFit:
         elif self._converged:
             state = "converged"
         mu, mu_std = self._mu(np.append(x, -1.0))
-        return Estimate(x, covariance, mu, mu_std, decided, state, self.used)
+        return Estimate(x, covariance, mu, mu_std, decided, state, self.used, late)
 
-    def _covariance(self) -> Array:
+    def _joint(self) -> tuple[Array, Array, tuple[float, float] | None]:
+        """x, its covariance, and by how much the wrench is late; x beside that where it is named."""
+        x = self._value
         if self.used == 0:
-            return self.prior.covariance
+            return x, self.prior.covariance, None
         R, P = self.recursion.R, self.recursion.P
-        data = R[:, :16].T @ R[:, :16] - self._known - self.recursion.mu * P[:16, :16]
+        data = np.zeros((17, 17))
+        data[:16, :16] = R[:, :16].T @ R[:, :16] - self._known - self.recursion.mu * P[:16, :16]
+        data[16, :16] = data[:16, 16] = -self._all[:16, 17:] @ x[:10]
+        data[16, 16] = x[:10] @ self._all[17:, 17:] @ x[:10]
         here = min(self._blocks + (self._filled > 0), self._says.blocks)
         scores = self._scores(slice(0, here))
         count = self._blocks + self._filled / self._says.block
         meat = self._meat + scores.T @ scores
         # So few sums leave directions without any: as many blocks as numbers count as if residuals were white.
         meat = (count * meat + 16.0 * data) / (count + 16.0)
-        inverse = np.linalg.inv(data + self._known)
-        covariance: Array = inverse @ (meat + of_prior(self._across, self._value, self.prior)) @ inverse
-        return covariance if np.all(np.diag(covariance) > 0.0) else self.prior.covariance
+        meat[:16, :16] += of_prior(self._across, x, self.prior)
+        meat[16, 16] += self._latest**-2
+        data[:16, :16] += self._known
+        data[16, 16] += self._latest**-2
+        inverse = np.linalg.inv(data)
+        joint = inverse @ meat @ inverse
+        left = float(x[:10] @ (self._all[17:, :17] @ np.append(x, -1.0)))  # cᵀe
+        late = (float(inverse[16, 16]) * left, float(np.sqrt(max(joint[16, 16], 0.0))))
+        if self.named:
+            x, covariance = x + inverse[:16, 16] * left, joint[:16, :16]
+        else:
+            inverse = np.linalg.inv(data[:16, :16])
+            covariance = inverse @ meat[:16, :16] @ inverse
+        if not np.all(np.diag(covariance) > 0.0):
+            return self._value, self.prior.covariance, None
+        return x, covariance, late if self._blocks >= self._says.steady else None
 
     def _mu(self, v: Array) -> tuple[float | None, float | None]:
         full = [k for k in range(min(self._blocks + 1, self._says.blocks)) if k != self._blocks % self._says.blocks]
@@ -143,7 +172,7 @@ class LiveFit:
         R, P, known = self.recursion.R, self.recursion.P, self.prior.rows
         square = float(np.sum((R @ v) ** 2) - np.sum((known @ v) ** 2))
         mu = square / float(v @ P @ v - len(known))
-        squares = np.einsum("i,kij,j->k", v, self._sums[full], v)
+        squares = np.einsum("i,kij,j->k", v, self._sums[full][:, :17, :17], v)
         return mu, mu * float(squares.std() / squares.mean() / np.sqrt(self._blocks))
 
 

@@ -45,6 +45,8 @@ def payload_message(known: Known, counts: Counts, rate_hz: float) -> dict[str, A
         "mu": found.mu,
         "mu_std": found.mu_std,
         "threshold_n": known.threshold,
+        "late_ms": None if known.late is None else 1e3 * known.late[0],
+        "late_std_ms": None if known.late is None else 1e3 * known.late[1],
         "used_s": found.used / rate_hz,
         "left_out_s": known.left_out / rate_hz,
         "counts": dict(counts.plain()),

@@ -13,7 +13,7 @@ from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import Prior, static_prior
-from exogauge.payload.evaluate import evaluate
+from exogauge.payload.evaluate import Evaluation, evaluate
 from exogauge.payload.intake import Payload, Recording, Stream, open_payload
 from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
@@ -41,10 +41,13 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
         detail = "live, without joint angles or a position nothing says how the sensor accelerates"
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
     gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
-    believed = np.sqrt(np.diag(prior.covariance))
+    believed, late = np.sqrt(np.diag(prior.covariance)), None
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
-        sign, stages = found.sign, found.rigid or found.stages  # what was named missing is not taken out live
+        late = _late(found)
+        sign, stages = found.sign, found.stages
+        if late is None and found.rigid is not None:  # but for a delay, what was named missing is not taken out live
+            stages = found.rigid
         gravity = stages.gravity
         if stages.postures is not None:
             prior = prior_of(payload, stages.postures, criteria)
@@ -57,8 +60,17 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
         Pose(chain, std, density, _even_period(payload)), gravity, sign, std_of(payload), prior, believed,
-        settings.false_alarms_per_hour, criteria,
+        settings.false_alarms_per_hour, criteria, late,
     )  # fmt: skip
+
+
+def _late(found: Evaluation) -> tuple[float, float] | None:
+    """[s] by which wrenches are late, and its std, where logs say that, and that nothing else is missing."""
+    named = {each.effect: each.parameters for each in found.missing.found}
+    if not found.missing.in_the_model or set(named) != {"delay"}:
+        return None
+    delay = named["delay"][0]  # [ms]
+    return 1e-3 * delay.value, 1e-3 * delay.std
 
 
 def _identifying(payload: Payload) -> list[Recording]:

@@ -63,6 +63,8 @@ def known_line(message: Mapping[str, Any]) -> str:
     parts = [f"{message['t']:9.2f} s", f"{message['state']:10s}", f"m {value['m']:.4g} ± {std['m']:.1g} kg"]
     parts += [f"{name} {value[name]:.3g} ± {std[name]:.1g}" for name in ("mx", "my", "mz", "Ixx", "Iyy", "Izz")]
     parts.append(f"contact from {message['threshold_n']:.2g} N")
+    if message["late_ms"] is not None:
+        parts.append(f"wrench {message['late_ms']:.2f} ± {message['late_std_ms']:.1g} ms late")
     if mu is not None:
         parts.append(f"μ {mu:.2f} ± {message['mu_std']:.2f}")
     return "  ".join(parts)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.payload_live import USUAL, Streaming
 from exogauge.loops.jerk_filter import flush, slide
+from exogauge.payload.live_retimed import Retimed
 from exogauge.payload.sensor_motion import Chain, SensorMotion, pose_motion
 from exogauge.payload.smoothing import LAG_S, MEMORY, error_root, memory
 
@@ -59,9 +60,11 @@ class Track:
 
     def __init__(
         self, pose: Pose, rate_hz: float, gravity: Array, *, still: Literal["settled", "as_moving"] = "settled",
-        criteria: Streaming = USUAL,
+        criteria: Streaming = USUAL, farthest_s: float = 0.0,
     ) -> None:  # fmt: skip
-        """gravity: (3,) [m/s²] in {B}. still: how what stands still is filtered."""
+        """gravity: (3,) [m/s²] in {B}. still: how what stands still is filtered. farthest_s: that a wrench may be late,
+        either way."""
+        self.retimed = Retimed(farthest_s)
         self.pose, self.gravity, self.period = pose, gravity, 1.0 / rate_hz
         self.lag = max(round(LAG_S / self.period), 1)
         self._group = pose.groups
@@ -82,6 +85,7 @@ class Track:
         self._last = np.nan
         self._since = 0  # samples given since the filter began
         self._times = np.zeros(0)
+        self._clock, self._clock_last = np.zeros(0), 0.0  # [s] when samples were taken, where stamps do not say it
 
     @property
     def waiting(self) -> int:
@@ -119,22 +123,28 @@ class Track:
         )
         self._last = time[-1]
         self._times = np.concatenate([self._times, time])
-        return self._given(out[:given], moving[:given])
+        self._clock = np.concatenate([self._clock, self._clock_last + self.period * np.cumsum(h)])
+        self._clock_last = self._clock[-1]
+        return self._given(out[:given], moving[:given], last=False)
 
     def flush(self) -> Tracked:
         """What is left, known worse the later it is; the next sample begins anew."""
         out, moving = np.empty((self.lag, len(self._scale), 3)), np.empty((self.lag, len(self._quiet)))
         x, _, C, _, H = self._ring
         given = flush(self._place, self._group, self._ratio, x, C, H, self._quiet, out, moving)
-        return replace(self._given(out[:given], moving[:given]), settled=np.zeros(given, dtype=bool))
+        found = self._given(out[:given], moving[:given], last=True)
+        self.retimed.clear()
+        return replace(found, settled=np.zeros(len(found.settled), dtype=bool))
 
-    def _given(self, out: Array, moving: Array) -> Tracked:
-        n = len(out)
+    def _given(self, out: Array, moving: Array, *, last: bool) -> Tracked:
+        clock, self._clock = self._clock[: len(out)], self._clock[len(out) :]
+        state = out * self._scale
+        state[:, :, 0] += self._zero
+        state, moving = self.retimed.then(clock, state, moving, last=last)
+        n = len(state)
         time, self._times = self._times[:n], self._times[n:]
         settled = self._since + np.arange(n) >= self.edge
         self._since += n
-        state = out * self._scale
-        state[:, :, 0] += self._zero
         which = np.ceil(moving).astype(np.intp)[:, self._group]
         noise_known = ~np.any(moving == 0.5, axis=1)
         roots = self._roots[np.arange(len(self._scale)), which]  # (n, K, 3, 3)

@@ -38,9 +38,28 @@ class Moved:
 
 
 def std_of(payload: Payload) -> Array:
-    """(6,) [N, N·m] of one sample."""
-    noise = payload.file.sensor.noise
-    return np.repeat([noise.force_n, noise.moment_nm], 3)
+    """(6,) [N, N·m] of one sample: as stated, or with the rounding of steps that are coarser than that; where
+    something was recorded in motion, as far as motion shows it."""
+    noise, steps = payload.file.sensor.noise, [each.steps for each in payload.recordings]
+    stated = np.repeat([noise.force_n, noise.moment_nm], 3)
+    size = np.max([np.zeros(6), *(each.size for each in steps)], axis=0)
+    std = np.where(size > stated, np.hypot(stated, size / np.sqrt(12.0)), stated)
+    shown = np.max([np.zeros(6), *(each.noise for each in steps)], axis=0)
+    return np.where(shown > 0.0, np.maximum(stated, np.minimum(shown, std)), std)
+
+
+def rounded_mean(step: float, noise: float) -> float:
+    """Std of the error that rounding to steps leaves in the mean of many samples: all of it where the noise before it,
+    of this std, is small against a step; none where it is as large as one.
+
+    Of x = mean + noise, what rounding takes off has the Fourier series Σ step / (π k) sin(2π k x / step), up to sign;
+    noise of std σ leaves exp(-2 (π k σ / step)²) of each.
+    """
+    if step == 0.0:
+        return 0.0
+    k = np.arange(1, 51)
+    waves = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * noise / step) ** 2)
+    return float(np.sqrt(np.sum(waves**2) / 2.0))
 
 
 def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array | None]:
@@ -83,8 +102,12 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
     if payload.file.sensor.axes == "base":
         F_S = into_sensor(R_BS, F_S)
     std = std_of(payload) / np.sqrt(np.median(counts))
+    steps = np.max([each.steps.size for each in payload.of("postures")], axis=0)
+    within = np.median(scatter, axis=0) if scatter else np.zeros(6)
+    before = np.sqrt(np.maximum(within**2 - steps**2 / 12.0, 0.0))
+    std = np.hypot(std, [rounded_mean(*each) for each in zip(steps, before, strict=True)])
     unrest = np.sqrt(np.mean(np.square(differ), axis=0)) / 2 if len(differ) == len(F_S) else None
-    noise = np.median(scatter, axis=0) if scatter else None
+    noise = within if scatter else None
     holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans), unrest, noise)
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 

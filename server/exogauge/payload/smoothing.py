@@ -75,11 +75,16 @@ def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
     """The same at (n,) times within the samples that are known: positions and velocities by cubics through both and
     their slopes, accelerations by straight lines, whose errors are no larger than those of the samples.
     time: (T,) of the samples."""
+    return replace(smoothed, state=states_at(smoothed.state, time, at), edge=0)
+
+
+def states_at(states: Array, time: Array, at: Array) -> Array:
+    """(n, J, 3) of states (T, J, 3) at time (T,), as above."""
     k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     h = (time[k + 1] - time[k])[:, None]
     s = (at - time[k])[:, None] / h
-    first, last = smoothed.state[k], smoothed.state[k + 1]
-    state = np.empty((len(at), *smoothed.state.shape[1:]))
+    first, last = states[k], states[k + 1]
+    state = np.empty((len(at), *states.shape[1:]))
     for order in (0, 1):
         a, b, slope_a, slope_b = (each[:, :, order + up] for up in (0, 1) for each in (first, last))
         state[:, :, order] = (
@@ -87,7 +92,7 @@ def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
             + h * s * (1 - s) * ((1 - s) * slope_a - s * slope_b)
         )  # fmt: skip
     state[:, :, 2] = (1 - s) * first[:, :, 2] + s * last[:, :, 2]
-    return replace(smoothed, state=state, edge=0)
+    return state
 
 
 def likeliest(z: Array, step: Array) -> float:

@@ -47,7 +47,7 @@ def draw_played(
     order = [list(joints).index(name) for name in robot.tree.joints]
     view = draw_robot(stage, robot, urdf, open_mesh, played.q[shown][:, order], base, None)
     legend = list[dict[str, Any]]()
-    if np.isfinite(played.pressure).all() and len(played.outline) > 2:
+    if np.isfinite(played.pressure).any() and len(played.outline) > 2:
         legend += _draw_balance(stage, played, shown)
     if np.isfinite(played.pairs).any():
         legend += _draw_pair(stage, view, played, shown)
@@ -164,9 +164,9 @@ def _draw_balance(stage: Stage, played: Played, shown: NDArray[np.intp]) -> list
     stage.scene.add_icosphere("/balance/pressure", 0.016, color=PRESSURE)
     at = played.pressure[shown].copy()
     at[:, 2] = floor
-    stage.move("place", "/balance/pressure", at.astype(np.float32))
+    stage.move("place", "/balance/pressure", np.nan_to_num(at, nan=HIDDEN).astype(np.float32))
     stage.layers["balance"] = names
-    least = f"at least {1e3 * float(played.inside.min()):.0f} mm inside"
+    least = f"at least {1e3 * float(np.nanmin(played.inside)):.0f} mm inside"
     return [
         {"layer": "balance", "label": "centre of pressure", "color": as_hex(PRESSURE), "size": least},
         {"layer": "balance", "label": "what the feet stand on", "color": as_hex(STANDS), "size": ""},

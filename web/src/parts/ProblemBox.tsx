@@ -63,7 +63,7 @@ function placeOf(rule: ProblemError): string {
 }
 
 /** A first word that is no name: `study.yaml`, `k_T` and `q.elbow` stay as they are. */
-function capital(words: string): string {
+export function capital(words: string): string {
   return /^[a-z]+(?=[ ,:’'])/.test(words) ? words.slice(0, 1).toUpperCase() + words.slice(1) : words;
 }
 

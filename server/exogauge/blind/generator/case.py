@@ -42,7 +42,7 @@ def write_case(
     here = undisturbed(plan, maker, seed)
     hidden = hide(stream(seed, f"hidden {number}"), plan, here)
     small = clutter(stream(seed, f"clutter {number}"), here, hidden) if plan.clutter else []
-    _write_logs(folder, plan, maker, here, [*hidden, *small], seed)
+    write_logs(folder, plan, maker, here, [*hidden, *small], seed)
     (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, maker.links), encoding="utf-8")
     _write_yaml(folder / "robot.yaml", robot_file(plan.robot, maker.links, plan.actuation, K_T_STD[plan.k_T]))
     if here.wear is not None:
@@ -86,14 +86,19 @@ def disturbed_runs(here: Scene, effects: Sequence[Placed], plan: CasePlan, seed:
     return axis_runs(stream(seed, f"run {plan.number}"), here.robot, here.motion, more)
 
 
-def _write_logs(folder: Path, plan: CasePlan, maker: Built, here: Scene, effects: Sequence[Placed], seed: int) -> None:
+def write_logs(
+    folder: Path, plan: CasePlan, maker: Built, here: Scene, effects: Sequence[Placed], seed: int, first: int = 0
+) -> None:
+    """first: of the scene's logs that are written. Those that are written later have noise of their own, and the
+    sensor's zero error of the case."""
     runs = disturbed_runs(here, effects, plan, seed)
     torques = [motor_torque(run, effects, joint) for joint, run in enumerate(runs)]
     wrench = sensed(here, effects)
     (folder / "logs").mkdir(parents=True, exist_ok=True)
     rng, motion = stream(seed, f"sensors {plan.number}"), as_read(here.motion, effects)
     zero = sensors.ZERO * here.cut_baseline.std * rng.standard_normal(6)
-    for n, log in enumerate(plan.logs):
+    rng = stream(seed, f"sensors {plan.number} from {first}") if first else rng
+    for n, log in list(enumerate(here.logs))[first:]:
         columns = joint_columns(rng, plan, maker.joints, motion, runs, torques, n)
         columns |= sensor_columns(rng, plan.robot.sensor, wrench, zero, n)
         for each in effects:

@@ -44,10 +44,12 @@ class Feet(Protocol):
 class Judged:
     """T samples. time: (T,) [s]; q, dq: (T, n). stands: (T, F) feet in the order of the robot's soles. pressure: (T, 3)
     [m] its centre, in the world. inside: (T,) [m] of the centre of pressure from the edge of what the feet stand on,
-    negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how two feet share
-    the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m`
-    where none is nearer; nearest: that of all times, and when, None without shapes or where none comes nearer;
-    left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound in words.
+    negative outside. Both are NaN where the feet carry less than `MotionPlan.least_weight`: a force that is next to
+    nothing has its centre anywhere. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
+    two feet share the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
+    `MotionPlan.look_m` where none is nearer; nearest: that of all times, and when, None without shapes or where none
+    comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound
+    in words.
     """
 
     time: Array
@@ -64,6 +66,12 @@ class Judged:
     nearest: tuple[str, str, float] | None
     left_out: tuple[tuple[str, str], ...]
     broken: tuple[str, ...] = field(default_factory=tuple)
+
+    @property
+    def least_inside(self) -> float | None:
+        """[m] of the centre of pressure, wherever there is one."""
+        known = self.inside[np.isfinite(self.inside)]
+        return float(known.min()) if len(known) else None
 
 
 def judge(
@@ -87,8 +95,8 @@ def judge(
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
-    pressure = np.full((T, 3), floor)
-    inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
+    pressure, inside = np.full((T, 3), np.nan), np.full(T, np.nan)
+    carried, torque, strays = np.empty(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(np.repeat(SHARES, 3), len(frames))
     for t in range(T):
         tau = pin.rnea(model, data, q[t], v[t], a[t])
@@ -110,11 +118,13 @@ def judge(
                 strays[t], [np.linalg.norm(moved.translation), np.linalg.norm(pin.log3(moved.rotation))]
             )
         force, moment = total.linear, total.angular
+        carried[t] = force[2] / robot.weight
+        if carried[t] < criteria.least_weight:
+            continue
         cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
-        pressure[t, :2] = cop
+        pressure[t] = [*cop, floor]
         normals = edges[tuple(stands[t])]  # outward, and offsets
         inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
-        carried[t] = force[2] / robot.weight
     broken = _over_bounds(robot, motion, time, (q[:, base:], v[:, base:], a, torque), rate, criteria)
     broken += _not_standing(time, inside, carried, strays, criteria)
     apart, nearest, left_out, touching = _distances(robot, time, q, criteria)
@@ -146,19 +156,23 @@ def _over_bounds(
     limits, base = robot.limits, robot.base
     slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
     a, jerk = a[:, base:], slopes[:, base:]
-    sizes = (  # what, share of the bound, what is counted
-        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
-        ("velocity", np.abs(v) / limits.velocity, v),
-        ("acceleration", np.abs(a) / limits.acceleration, a),
-        ("jerk", np.abs(jerk) / robot.jerk, jerk),
-        ("torque", np.abs(torque) / limits.torque, torque),
+    aside = np.where(angle > limits.upper, limits.upper, limits.lower)
+    sizes = (  # what, share of the bound, what is counted, its bound
+        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle, aside),
+        ("velocity", np.abs(v) / limits.velocity, v, limits.velocity),
+        ("acceleration", np.abs(a) / limits.acceleration, a, limits.acceleration),
+        ("jerk", np.abs(jerk) / robot.jerk, jerk, robot.jerk),
+        ("torque", np.abs(torque) / limits.torque, torque, limits.torque),
     )
     broken = []
-    for what, ratio, value in sizes:
+    for what, ratio, value, bounds in sizes:
+        every = np.broadcast_to(bounds, value.shape)
         for j in np.flatnonzero((ratio > 1.0 + criteria.beyond).any(axis=0)):
             t = int(ratio[:, j].argmax())
             often = 100.0 * float((ratio[:, j] > 1.0 + criteria.beyond).mean())
-            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, beyond its bound in "
+            most = f"{100.0 * ratio[t, j]:.4g} % of its bound {every[t, j]:.4g}"
+            most = f"its bound is {every[t, j]:.4g}" if what == "position" else most
+            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, {most}, beyond it in "
                           f"{often:.2g} % of samples")  # fmt: skip
     return broken
 
@@ -170,8 +184,9 @@ def _not_standing(time: Array, inside: Array, carried: Array, strays: Array, cri
         ("centre of pressure inside the soles", inside, criteria.inside_m, "m"),
         ("weight on the feet", carried, criteria.least_weight, "of the weight"),
     ):
-        if low.min() < least:
-            broken.append(f"{what}: {low.min():.4g} {unit} at {time[low.argmin()]:.3f} s, at least {least:g} is asked")
+        if (low < least).any():
+            t = int(np.nanargmin(low))
+            broken.append(f"{what}: {low[t]:.4g} {unit} at {time[t]:.3f} s, at least {least:g} is asked")
     for what, far, most, unit in (
         ("way", strays[:, 0], criteria.feet_m, "m"),
         ("turn", strays[:, 1], criteria.feet_rad, "rad"),

@@ -42,11 +42,16 @@ def summarise(
         bound = np.degrees(robot.limits.lower[j]), np.degrees(robot.limits.upper[j])
         outside = (asked.q[:, torso[k]] < robot.limits.lower[j]) | (asked.q[:, torso[k]] > robot.limits.upper[j])
         within = off[~outside, k]
+        wanted_of_it = (f"asked {low:.1f} to {high:.1f}°, the joint bears {bound[0]:.1f} to {bound[1]:.1f}° "
+                        f"({100 * outside.mean():.2g} % of nodes lie beyond)")  # fmt: skip
         said[f"trunk {robot.joints[j]}"] = (
-            f"asked {low:.1f} to {high:.1f}°, the joint bears {bound[0]:.1f} to {bound[1]:.1f}° "
-            f"({100 * outside.mean():.2g} % of nodes lie beyond); given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
-            f"{np.abs(within).max():.2g}° at most where it bears them; "
-            f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
+            wanted_of_it
+            if not planned.rounds
+            else (
+                f"{wanted_of_it}; given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
+                f"{np.abs(within).max():.2g}° at most where it bears them; "
+                f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
+            )
         )
     said["trunk not expressed"] = (
         f"{np.degrees(np.sqrt(np.mean(missed**2))):.3g}° rms, {np.degrees(missed.max()):.3g}° at most, "
@@ -70,7 +75,10 @@ def slow(angles: NDArray[np.float64], step: float, smooth_hz: float) -> NDArray[
 def margins(robot: MotionRobot, judged: Judged) -> Told:
     """What is left of every bound, and what is broken."""
     said: Told = {}
-    said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
+    inside, lifted_off = judged.least_inside, 100.0 * float(np.isnan(judged.inside).mean())
+    known = "" if inside is None else f"{1e3 * inside:.1f} mm inside the soles at least"
+    nowhere = f"nowhere in {lifted_off:.2g} % of samples: the feet carry too little for one" if lifted_off else ""
+    said["centre of pressure"] = ", ".join(filter(None, (known, nowhere)))
     said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
     lifted = ups(robot, judged)
     if lifted:

@@ -21,7 +21,7 @@ Tried = Callable[[str, float, bool], None]
 @dataclass(frozen=True)
 class Possible:
     """slower: the least number of times the time, to `within`; share: of the trunk's angle, at the time asked. None:
-    not with `most` times the time, not with the trunk still."""
+    not with `slowest` times the time, not with the trunk still."""
 
     slower: float | None
     share: float | None
@@ -29,11 +29,12 @@ class Possible:
 
 def what_would_do(
     robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
-) -> Possible:
+) -> Possible | None:
     """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
-    what was planned, and whether it holds. Each begins at home, at rest: what is lacking there, none can have."""
+    what was planned, and whether it holds. Each begins at home, at rest: what is lacking there none can have, and
+    another home is what would do: None then."""
     if at_home(robot, criteria).lacks:
-        return Possible(None, None)
+        return None
 
     def holds(what: str, value: float, changed: Person) -> bool:
         found = can(robot, changed, criteria)

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
-from exogauge.motion.plan.asked import Asked, on_its_feet
+from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import AtRest, at_home
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.solve import Planned, Report, Stop, plan
 from exogauge.motion.plan.spline import through
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 
 
 def plan_within(
@@ -22,11 +23,11 @@ def plan_within(
     """Planned and judged at `rate` [Hz]. Of two plans that both break a bound, the one that breaks fewer.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
-    first, and what is asked is judged. stop: as of `plan`.
+    first, and standing at home is judged. stop: as of `plan`.
     """
     rest = at_home(robot, criteria)
     if rest.lacks:
-        return _as_asked(robot, asked, criteria, rate, rest)
+        return _at_home(robot, asked, criteria, rate, rest)
     planned = plan(robot, asked, criteria, report, stop)
     judged = _judged(robot, asked, planned, criteria, rate)
     if not judged.broken or planned.unsettled or float(planned.excess.max()) > criteria.over:
@@ -66,17 +67,15 @@ def _with_reasons(planned: Planned, judged: Judged, rest: AtRest) -> Judged:
     return replace(judged, broken=(*home, *lines, *judged.broken))
 
 
-def _as_asked(
+def _at_home(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan, rate: float | None, rest: AtRest
 ) -> tuple[Planned, Judged]:
-    """What is asked, on its feet as far as they reach, as if it had been planned."""
-    begin = asked.q.copy()
-    begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
-    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, asked.place, strict=True)])
-    N = len(q)
+    """Home throughout: what is asked is no motion before it is planned, so that its forces say nothing."""
+    N = len(asked.q)
     none = np.zeros((N, len(robot.soles), 6))
     whole = ((0.0, float(asked.time[-1])),)
-    planned = Planned(through(q, asked.step), none, np.full(N, rest.excess), 0, np.inf, whole, asked.stands)
-    judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
-    lines = (str(rest), "nothing was planned for that reason; what follows is of the motion as it is asked")
+    spline = through(np.tile(asked.q[0], (N, 1)), asked.step)
+    planned = Planned(spline, none, np.full(N, rest.excess), 0, np.inf, whole)
+    judged = judge(robot, spline, standing(robot), criteria, rate, planned)
+    lines = (str(rest), "nothing was planned for that reason; what follows is of standing still at home")
     return planned, replace(judged, broken=(*lines, *judged.broken))

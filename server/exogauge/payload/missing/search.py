@@ -26,6 +26,8 @@ from exogauge.payload.missing.doubt import (
     covariance,
     numbers,
     numbers_with_std,
+    of_calibration,
+    slightly_late,
     swings,
 )
 from exogauge.payload.missing.effect import CHANNELS, Effect, Frame
@@ -85,7 +87,8 @@ class Missing:
     """found: what was named. suspected: what takes something off, while more is left that nothing explains. decision:
     what may be said. before, after: (6,) rms over floor by log. tried: candidates. of_body: whether any of what was
     found changes what is fitted. courses: (T, 6) what of the wrench is that of what was found, of every stretch in the
-    order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]."""
+    order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]. late: [s] by which
+    the wrench is late, and std, where that is beyond chance and too little to be named; late_doubt: what that adds."""
 
     found: tuple[Finding, ...]
     suspected: tuple[Finding, ...]
@@ -96,6 +99,8 @@ class Missing:
     of_body: bool = False
     courses: tuple[Array, ...] = ()
     doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
+    late: tuple[float, float] | None = None
+    late_doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
 
     @property
     def in_the_model(self) -> bool:
@@ -157,9 +162,14 @@ def find_missing(
     courses = tuple(_course(problem, base, named, each, own) for each in (*fitted, *held_out, *others))
     C = covariance(problem, base, named)
     across = C[:SIZE, SIZE:]
-    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T
+    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T + of_calibration(problem, base, named)
+    late = None
+    if all(each.effect.name != "delay" for each in named):
+        late = slightly_late(problem, base, named, delay(criteria.payload))
+    late_doubt = np.zeros((SIZE, SIZE)) if late is None else late[2]
     return Missing(
-        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt
+        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + late_doubt,
+        late and late[:2], late_doubt,
     )  # fmt: skip
 
 

@@ -51,7 +51,10 @@ def verdict_of(missing: Missing) -> str:
 
 def _held(missing: Missing) -> str:
     if missing.in_the_model:
-        return "All numbers here are with it; `missing.without` are those of a rigid body behind an ideal sensor alone."
+        gain = any(each.effect == "gain" for each in missing.found)
+        others = " Other gains are held for as doubtful: one that all axes share looks like mass." if gain else ""
+        rigid = "`missing.without` are those of a rigid body behind an ideal sensor alone."
+        return f"All numbers here are with it; {rigid}{others}"
     why = (
         "its size is not known"
         if all(each.parameters for each in missing.found) is False
@@ -69,6 +72,8 @@ def cause_of_residual(missing: Missing) -> str:
         return "; ".join(name_of(each.effect, each.place) for each in missing.found)
     if verdict == "unexplained":
         return "something is missing that nothing here explains"
+    if verdict == "none" and missing.late is not None:
+        return "the wrench and the pose are not quite of the same time, or the noise is stated too small"
     if verdict == "none":
         return "nothing is missing above the noise that was measured, so the noise is stated too small"
     return UNKNOWN_CAUSE

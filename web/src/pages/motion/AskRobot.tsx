@@ -70,7 +70,7 @@ export function AskRobot({ motion }: { motion: Motion }) {
               ))}
               <Checkbox
                 label="Where it cannot be had: find what would do"
-                checked={options.what_would_do ?? false}
+                checked={options.what_would_do ?? true}
                 onChange={(event) => set(put(options, { what_would_do: event.currentTarget.checked }))}
               />
             </Group>

@@ -19,7 +19,7 @@ export function Exports({ plan }: { plan: Plan }) {
   const [rate, setRate] = useState<number | undefined>();
   const [despite, allow] = useState(false);
   const broken = plan.found!.broken.length > 0;
-  const standing = plan.found!.margins.pressure_inside_m !== null;
+  const standing = plan.found!.margins.weight_carried !== null;
   return (
     <section aria-labelledby="exports">
       <Title order={2} size="h3" id="exports" mb="xs">

@@ -141,12 +141,7 @@ function Verdict({ plan }: { plan: Plan }) {
 }
 
 function WouldDo({ found }: { found: NonNullable<Plan["found"]> }) {
-  if (!found.would_do)
-    return (
-      <Text size="sm" mt="xs">
-        Ask for it slower, with a smaller share of the trunk’s angle or without the arms; or plan it again with “find what would do”.
-      </Text>
-    );
+  if (!found.would_do) return null;
   const { slower, share } = found.would_do;
   return (
     <Text size="sm" mt="xs" fw={600}>

@@ -1,6 +1,7 @@
 import { Badge, Table, Text, Title } from "@mantine/core";
 
 import type { PayloadFinding } from "../../api/payloadDrafts";
+import { capital } from "../../parts/ProblemBox";
 import { Said } from "../../parts/Said";
 import { number, WideTable } from "../../parts/WideTable";
 import { NONE } from "../../parts/digits";
@@ -40,5 +41,5 @@ export function PayloadFindings({ findings }: { findings: PayloadFinding[] }) {
 }
 
 function sentence(words: string): string {
-  return words && `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? "" : "."}`;
+  return words && `${capital(words)}${/[.!?]$/.test(words) ? "" : "."}`;
 }
