@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.physical import solve_physical
-from exogauge.identification.prior import relative_std
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 
@@ -17,30 +16,26 @@ Array = NDArray[np.float64]
 def possible_parameters(
     robot: Robot, solved: PriorLeastSquares, gains: NDArray[np.intp]
 ) -> tuple[Array, tuple[Remark, ...]]:
-    """((S,) [φ; ξ], remarks). Links are tied to the maker's by a log-det distance, joints as in the free solution.
+    """((S,) [φ; ξ], remarks). Believed is what the free solution believes, so that the doubt that is stated of that
+    holds here too. A log-det distance to the maker's bodies keeps links from the border of what is possible.
 
-    The distance's weight 1/(2 ρ²) costs a link's mass scale as much as a relative standard deviation ρ would.
-    gains: of x, the k_T that stay as in the free solution: where nothing measured fixes the scale of all torques, that
-    was decided there (`gain_scale`), and this distance would decide it anew by its own measure.
+    gains: of x, the k_T that stay as in the free solution, where nothing measured fixes the scale of all torques.
     """
-    prior, inertial = solved.prior, robot.tree.phi.size
+    inside = 0.5  # weight of the distance: a link of half its mass and inertia costs as much as .6 standard deviations
+    prior, bodies = solved.prior, robot.tree.phi.size
     standard = prior.mean.copy()
     kept = gains + (len(prior.mean) - len(solved.x))
     standard[kept] = solved.x[gains]
-    own = np.setdiff1d(np.flatnonzero(prior.std[inertial:] > 0.0) + inertial, kept)
-    columns = np.concatenate([np.arange(inertial), own])
+    own = np.setdiff1d(np.flatnonzero(prior.std > 0.0), kept)
+    columns = np.union1d(np.arange(bodies), own)
     data = solved.information @ prior.seen[prior.free][:, columns]
     belief = np.zeros((len(own), len(columns)))
-    belief[:, inertial:] = np.diag(np.sqrt(prior.strengths(solved.strength)[own]) / prior.std[own])
-    moved = solved.information @ prior.seen[np.ix_(prior.free, kept)] @ standard[kept]
-    target = np.concatenate([solved.target - moved, belief[:, inertial:] @ prior.mean[own]])
-    found = solve_physical(
-        np.vstack([data, belief]),
-        target,
-        robot.tree.phi,
-        weight=solved.strength / (2.0 * np.maximum(relative_std(robot), 1e-3) ** 2),
-        names=robot.tree.bodies,
+    belief[np.arange(len(own)), np.searchsorted(columns, own)] = (
+        np.sqrt(prior.strengths(solved.strength)[own]) / prior.std[own]
     )
+    moved = solved.information @ prior.seen[np.ix_(prior.free, kept)] @ standard[kept]
+    target = np.concatenate([solved.target - moved, belief @ prior.mean[columns]])
+    found = solve_physical(np.vstack([data, belief]), target, robot.tree.phi, weight=inside, names=robot.tree.bodies)
     standard[columns] = found.x
     return standard, found.remarks
 

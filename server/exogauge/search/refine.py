@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from exogauge.criteria.searching import Searching
-from exogauge.search.score import Baseline, Score, score
+from exogauge.search.score import Baseline, Score, residual_memory, score
 from exogauge.search.site_rows import SiteRows, sums_of
 
 Array = NDArray[np.float64]
@@ -57,6 +57,19 @@ def climbed(
     for pace in paces:
         ends = [refined(baseline, each, rows, pace) for each in ends]
     return ends
+
+
+def with_it(baseline: Baseline, found: Score, rows: Sequence[SiteRows]) -> Baseline:
+    """The same model, its rows weighing what they are worth once the candidate is there: what is left is coloured
+    less, and numbers are drawn less to what was believed before."""
+    own, effect, shape = baseline.model.equations.columns(), found.candidate.effect, found.candidate.shape
+    left: dict[int, list[float]] = {}
+    for each in rows:
+        if not each.held_out:
+            for kind, e in each.after(each.columns(effect, shape), found.coefficients, found.step, own).items():
+                left.setdefault(kind, []).append(residual_memory(e))
+    known = {kind: float(np.median(memories)) for kind, memories in left.items()}
+    return replace(baseline, memory={**baseline.memory, **known})
 
 
 def refined(baseline: Baseline, first: Score, rows: Sequence[SiteRows], pace: Pace | None = None) -> Score:

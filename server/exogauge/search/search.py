@@ -32,7 +32,7 @@ from exogauge.search.finding import channel_of, low_passed, name_effect, objecti
 from exogauge.search.judge import Judgement, judge, not_named
 from exogauge.search.locate import channels, pooled
 from exogauge.search.noise_taken import noise_taken
-from exogauge.search.refine import closely, closest, refined
+from exogauge.search.refine import closely, closest, refined, with_it
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Problem, Search, Step
@@ -207,12 +207,13 @@ def judge_best(
 
 def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:
     """What is to be added, its shapes searched to the end, if that may still be claimed."""
-    own = rows[judged.score.candidate.site]
-    closer = judge(
-        ground.model,
-        refined(ground.baseline, judged.score, own, closely(ground.model.criteria.search)),
-        own,
-    )
+    own, found = rows[judged.score.candidate.site], judged.score
+    baseline = with_it(ground.baseline, found, own)
+    begun = score(baseline, found.candidate, sums_of(own, found.candidate.effect, found.candidate.shape))
+    if begun is None:
+        return judged
+    end = refined(baseline, begun, own, closely(ground.model.criteria.search))
+    closer = judge(ground.model, replace(end, evidence=found.evidence), own)
     return judged if closer.objection else closer
 
 
