@@ -10,6 +10,8 @@ import os
 import pkgutil
 from concurrent.futures import ProcessPoolExecutor
 
+from numba.core.sigutils import normalize_signature
+
 import exogauge.loops
 from exogauge.loops import compiled
 
@@ -27,7 +29,8 @@ def compile_ahead(module: str, name: str) -> None:
     importlib.import_module(module)
     for loop, types in compiled.ahead:
         if (loop.__module__, loop.__name__) == (module, name):
-            loop.compile(types)
+            arguments, _ = normalize_signature(types)  # what is kept is found by the types, not by how they are written
+            loop.compile(arguments)
 
 
 if __name__ == "__main__":
