@@ -99,7 +99,7 @@ def signals_of(motion: Motion) -> tuple[Array, Array]:
     """(5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that of bodies without one; (9, T) acc, gyro, gyro_dot."""
     rest = np.zeros((1, motion.samples))
     q, dq, ddq = (np.concatenate([x.T, rest]) for x in (motion.q, motion.dq, motion.ddq))
-    base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
+    base = np.asfortranarray(np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T]))  # as it is compiled for
     return np.stack([q, np.cos(q), np.sin(q), dq, ddq]), base
 
 
