@@ -71,7 +71,7 @@ def test_the_log_is_found_to_be_low_passed_before_anything_else_is_sought(either
     first = either["discrepancy"]["findings"][0]
     assert (first["effect"], first["where"]) == ("band_limited_log", {"log": "all"})
     assert 1.6 < first["parameters"]["cutoff"]["value"] < 2.0
-    assert first["held_out"]["rmse_after"] < 0.5 * first["held_out"]["rmse_before"]
+    assert first["held_out"]["rmse_after"] < 0.7 * first["held_out"]["rmse_before"]  # of the channel that gains most
 
 
 def test_cut_offs_of_both_parts_agree(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> None:
