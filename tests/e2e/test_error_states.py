@@ -90,7 +90,7 @@ def test_a_failed_job_says_why_and_keeps_the_logs_in_reach(
     steps = page.get_by_role("list", name="Steps").get_by_role("listitem")
     expect(steps.filter(has_text="Identification")).to_contain_text("failed here")
     expect(steps.filter(has_text="Missing effects")).to_contain_text("not reached")
-    expect(steps.filter(has_text="Bands")).to_contain_text("no log with the device worn")
+    expect(steps.filter(has_text="Bands")).to_contain_text("no log was recorded with the device on")
     expect(page.get_by_text("Correct it, hand it in again, and run that.")).to_be_visible()
     screenshot("review-failed")
     page.get_by_role("link", name="Log and raw data").click()
