@@ -136,7 +136,7 @@ def test_a_webhook_is_added_tried_and_removed_and_the_lab_is_closed(
 ) -> None:
     sign_in(page)
     page.goto("/lab/webhooks")
-    page.get_by_label("Address").fill("https://127.0.0.1:9/hook")
+    page.get_by_role("textbox", name="Address", exact=True).fill("https://127.0.0.1:9/hook")
     page.get_by_label("something was published").check()
     page.get_by_role("button", name="Add the webhook").click()
     assert page.get_by_test_id("secret").inner_text().strip().startswith("whsec_")
