@@ -19,7 +19,7 @@ from exogauge.api.connection import Limits, connection_within
 from exogauge.errors import BadInput, Fault, Unavailable
 from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.supervisor import Supervisor, leave_with_parent
-from exogauge.settings import Settings
+from exogauge.settings import Settings, refuse_open_house
 from exogauge.storage import migrate
 from exogauge.storage.held_files import own_folder
 
@@ -99,6 +99,7 @@ class Announcing(uvicorn.Server):
 
 def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_parent: bool = False) -> None:
     """Serve until SIGINT or SIGTERM, or until stdin ends (`with_parent`); the workers leave with the server."""
+    refuse_open_house(settings)  # whoever calls this
     if with_parent:
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)

@@ -3,8 +3,7 @@
 `python -m tests.bench.tell_apart SEED CASES [EFFECT,EFFECT …]`: cases of the blind benchmark's arm. `rate`: evidence of
 10 s of the motion for the rival that it tells worst, of those that it tells. `sweep`: of the best single joint that is
 swept; `offered`: of the motion that the finding asks for; `most`: of the motion of all that are considered that tells
-most a second. The generator plays what was offered, and the case is
-evaluated once more with it.
+most a second. The generator plays what was offered, and the case is evaluated once more with it.
 """
 
 from __future__ import annotations

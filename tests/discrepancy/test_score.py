@@ -139,7 +139,7 @@ def test_sums_of_two_halves_are_the_sums_of_the_whole():
         np.testing.assert_allclose(cross, -times * c[:, [1, 3]].T @ A)
         np.testing.assert_allclose(own, times * c[:, [1, 3]].T @ c[:, [1, 3]])
         np.testing.assert_allclose(with_residual, -times * c[:, [1, 3]].T @ e)
-        assert (sums.square, sums.rows) == (pytest.approx(times * (e @ e)), times * 40)
+        assert sums.rows == times * 40
 
 
 @pytest.mark.parametrize("rho", [0.5, 0.8])
@@ -225,4 +225,4 @@ def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itsel
         for name in ("cross", "own", "with_residual"):
             one, other = getattr(found, name), getattr(whole, name)
             np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-12 * max(np.abs(other).max(), 1e-300))
-        assert (found.square, found.rows) == (whole.square, whole.rows)
+        assert found.rows == whole.rows

@@ -6,11 +6,11 @@
 R and z are a least-squares problem in square-root form, rows divided by their standard deviation. The problem is
 convex in phi itself, so it is solved there (`interior_point`) and what is found is the global minimum, with a bound on
 how far it can be off. Log-Cholesky coordinates also keep bodies possible, but bend the problem, and run to -∞ when
-the answer lies on the border. Two uses:
+the answer lies on the border. Three uses:
 
-- weights given: the log-det distance is the a-priori term of phi, and R must not hold another one;
-- no weights: R holds whatever is known before, and the distance is only a barrier, too light to cost anything that
-  matters.
+- weights of the size of what is believed: the log-det distance is the a-priori term of phi, and R holds no other;
+- weights that are small beside that: R holds what is believed, and the distance keeps bodies from the border;
+- no weights: the distance is only a barrier, too light to cost anything that matters; bodies may end at the border.
 """
 
 from __future__ import annotations

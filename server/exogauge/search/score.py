@@ -84,7 +84,7 @@ def score_all(baseline: Baseline, candidates: Sequence[Candidate], sums: Mapping
     """Those of one site that the baseline does not swallow, by one solve for all. sums: of their columns, in order."""
     blind = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
     model, weights, own = baseline.model, baseline.weights, baseline.model.equations.columns()
-    live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
+    live = {kind: each.at(baseline.step[own[kind]]) for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
     if not live:
         return
     C = sum(candidate.width for candidate in candidates)
@@ -92,7 +92,7 @@ def score_all(baseline: Baseline, candidates: Sequence[Candidate], sums: Mapping
     for kind, each in live.items():
         B[own[kind]] += weights[kind] * each.cross.T
         squares += weights[kind] * each.own
-        g += weights[kind] * each.with_residual_at(baseline.step[own[kind]])
+        g += weights[kind] * each.with_residual
     V = baseline.solved.divided(B)
     start, fitted = 0, list[_Fitted]()
     for candidate in candidates:
@@ -153,7 +153,6 @@ def _evidence(baseline: Baseline, fitted: Sequence[_Fitted], sums: Mapping[int, 
         change = np.sum(D * (curvature @ D), axis=0) - 2.0 * slope @ D
         if kind in sums:
             cross, right, own_squares = sums[kind].of(columns)
-            right = right - cross @ baseline.step[own[kind]]
             with_rows = np.einsum("ck,kc->c", cross, D[:, whose]) - right
             squares = np.where(together, own_squares, 0.0) @ theta
             change += np.add.reduceat(theta * (2.0 * with_rows + squares), starts)

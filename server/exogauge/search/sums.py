@@ -8,7 +8,7 @@ How surely an error falls, from the sums of what is gained in parts of the data 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -29,13 +29,12 @@ IntArray = NDArray[np.intp]
 class KindSums:
     """Rows of one kind, k parameters, C candidate columns c (taken off the row, so that the row holds -c).
 
-    cross: (C, k) Σ -c a^T. own: (C, C) Σ c c^T. with_residual: (C,) Σ -c e. square: Σ e². rows: how many.
+    cross: (C, k) Σ -c a^T. own: (C, C) Σ c c^T. with_residual: (C,) Σ -c e. rows: how many.
     """
 
     cross: Array
     own: Array
     with_residual: Array
-    square: float = 0.0
     rows: int = 0
 
     @staticmethod
@@ -47,7 +46,6 @@ class KindSums:
         self.cross -= c.T @ A
         self.own += c.T @ c
         self.with_residual -= c.T @ e
-        self.square += float(e @ e)
         self.rows += len(e)
 
     def join(self, other: KindSums) -> None:
@@ -55,17 +53,16 @@ class KindSums:
         self.cross += other.cross
         self.own += other.own
         self.with_residual += other.with_residual
-        self.square += other.square
         self.rows += other.rows
 
     def chosen(self, which: IntArray) -> KindSums:
         """Of the columns `which`, each as often as it is named; one beyond the last is nothing."""
         cross, own, with_residual = (np.pad(each, (0, 1)) for each in (self.cross, self.own, self.with_residual))
-        return KindSums(cross[which, :-1], own[np.ix_(which, which)], with_residual[which], self.square, self.rows)
+        return KindSums(cross[which, :-1], own[np.ix_(which, which)], with_residual[which], self.rows)
 
-    def with_residual_at(self, step: Array) -> Array:
-        """(C,) where the model's parameters have moved by step: (k,)."""
-        return self.with_residual - self.cross @ step
+    def at(self, step: Array) -> KindSums:
+        """Where the model's parameters have moved by step: (k,)."""
+        return replace(self, with_residual=self.with_residual - self.cross @ step)
 
     def of(self, columns: IntArray) -> tuple[Array, Array, Array]:
         """`cross`, `with_residual` and `own` of some of the columns."""

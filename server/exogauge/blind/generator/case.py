@@ -38,10 +38,7 @@ def write_case(
 ) -> dict[str, Any]:
     """Write the study into `folder`, and give its answer; the same arguments make the same bytes."""
     plan = plan_case(seed, number, robots, effects)
-    maker = built(stream(seed, f"maker {number}"), plan.robot)
-    here = undisturbed(plan, maker, seed)
-    hidden = hide(stream(seed, f"hidden {number}"), plan, here)
-    small = clutter(stream(seed, f"clutter {number}"), here, hidden) if plan.clutter else []
+    maker, here, hidden, small = drawn(plan, seed)
     write_logs(folder, plan, maker, here, [*hidden, *small], seed)
     (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, maker.links), encoding="utf-8")
     _write_yaml(folder / "robot.yaml", robot_file(plan.robot, maker.links, plan.actuation, K_T_STD[plan.k_T]))
@@ -58,6 +55,15 @@ def write_case(
         "bands": here.wear.record() if here.wear is not None else {},
         "rigid": _rigid(maker.links),
     }
+
+
+def drawn(plan: CasePlan, seed: int) -> tuple[Built, Scene, Sequence[Placed], Sequence[Placed]]:
+    """What the maker states, the case with nothing hidden, what is hidden in it, and the clutter beside that."""
+    maker = built(stream(seed, f"maker {plan.number}"), plan.robot)
+    here = undisturbed(plan, maker, seed)
+    hidden = hide(stream(seed, f"hidden {plan.number}"), plan, here)
+    small = clutter(stream(seed, f"clutter {plan.number}"), here, hidden) if plan.clutter else []
+    return maker, here, hidden, small
 
 
 def undisturbed(plan: CasePlan, maker: Built, seed: int) -> Scene:

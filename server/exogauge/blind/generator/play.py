@@ -12,11 +12,9 @@ from scipy.interpolate import CubicSpline
 
 from exogauge.blind.generator import sensors
 from exogauge.blind.generator.axis_run import axis_runs
-from exogauge.blind.generator.case import undisturbed, write_logs
+from exogauge.blind.generator.case import drawn, write_logs
 from exogauge.blind.generator.motion import RATE_HZ, LogPlan, Motion
-from exogauge.blind.generator.placed import clutter, hide
 from exogauge.blind.generator.plan import plan_case
-from exogauge.blind.generator.robot_files import built
 from exogauge.blind.generator.scene import scene
 from exogauge.blind.generator.true_robot import K_T_STD
 from exogauge.errors import BadInput, Fault
@@ -37,18 +35,13 @@ def play(
     plan = plan_case(seed, number, robots, effects)
     if plan.robot.wires:
         raise BadInput(Fault("no motion is played by a robot that wears bands", "no_play", value=plan.robot.name))
-    maker = built(stream(seed, f"maker {number}"), plan.robot)
-    here = undisturbed(plan, maker, seed)
-    hidden = hide(stream(seed, f"hidden {number}"), plan, here)
-    small = clutter(stream(seed, f"clutter {number}"), here, hidden) if plan.clutter else []
+    maker, here, hidden, small = drawn(plan, seed)
     names = [f"planned_{k + 1}" for k in range(len(tables))]
     logs = (*plan.logs, *(LogPlan(name, "identification", -1) for name in names))
     motion = _beside(here.motion, [_at_rate(*each) for each in tables])
     runs = axis_runs(stream(seed, f"run {number}"), here.robot, motion, None)
     k_T_std = K_T_STD[plan.k_T] if plan.actuation == "current" else 0.0
-    after = scene(
-        plan.robot, maker.links, here.robot, motion, logs, runs, None, sensors.current_std(), k_T_std
-    )  # fmt: skip
+    after = scene(plan.robot, maker.links, here.robot, motion, logs, runs, None, sensors.current_std(), k_T_std)
     write_logs(folder, plan, maker, after, [*hidden, *small], seed, first=len(plan.logs))
     file = folder / "study.yaml"
     study = yaml.safe_load(file.read_text(encoding="utf-8"))

@@ -135,12 +135,19 @@ function Verdict({ plan }: { plan: Plan }) {
           <List.Item key={line}>{line}</List.Item>
         ))}
       </List>
-      <WouldDo found={found} />
+      <WouldDo plan={plan} />
     </Alert>
   );
 }
 
-function WouldDo({ found }: { found: NonNullable<Plan["found"]> }) {
+function WouldDo({ plan }: { plan: Plan }) {
+  const found = plan.found!;
+  if (!found.would_do && plan.request.what_would_do === false)
+    return (
+      <Text size="sm" mt="xs">
+        Ask for it slower, with a smaller share of the trunk’s angle or without the arms; or plan it again with “find what would do”.
+      </Text>
+    );
   if (!found.would_do) return null;
   const { slower, share } = found.would_do;
   return (
