@@ -46,7 +46,7 @@ from exogauge.terminal import text_table
 
 Array = NDArray[np.float64]
 RATE_HZ, ROBOTS, DRAWS = 200.0, 8, 10000
-AS_NUMBERS: tuple[Settings, ...] = (  # the robots are drawn as the prior says, which is that of `free`
+AS_NUMBERS: tuple[Settings, ...] = (  # the robots are drawn as the prior says
     Settings(prior_strength=1.0, consistency="free"), Settings(prior_strength=1.0),
 )  # fmt: skip
 
