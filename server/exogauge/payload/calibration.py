@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
-from exogauge.payload.contract import PayloadFile
+from exogauge.payload.contract import PayloadFile, SensorUncertainty
 from exogauge.payload.dynamics import Rows, correlation_time
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.fit import LOOSE, SIZE, TILT, design
@@ -53,12 +53,15 @@ class Declared:
         return np.column_stack([scale[0] * self.common * gains, np.diag(own)])
 
 
-def declared(file: PayloadFile, criteria: Criteria) -> Declared:
-    """As payload.yaml says, else the defaults."""
+def declared(file: PayloadFile, criteria: Criteria, *, contradicted: bool = False) -> Declared:
+    """As payload.yaml says, else the defaults. contradicted: whether a gain or a crosstalk was named, so that a sensor
+    that is said to be exact is none."""
     noise, said = file.sensor.noise, file.uncertainty
     length = noise.moment_nm / noise.force_n
     if said == "none":
-        return Declared(0.0, 0.0, 0.0, length)
+        if not contradicted:
+            return Declared(0.0, 0.0, 0.0, length)
+        said = SensorUncertainty()
     usual = {
         "ft_gain": criteria.declared.ft_gain,
         "ft_gain_common": criteria.declared.ft_gain_common,
@@ -66,7 +69,8 @@ def declared(file: PayloadFile, criteria: Criteria) -> Declared:
     }
     stated = said.model_dump()
     found = [usual[name] if stated[name] is None else float(stated[name]) for name in usual]
-    return Declared(*found, length, frozenset(name for name in usual if stated[name] is None))
+    gain, common, across = found
+    return Declared(gain, common, across, length, frozenset(name for name in usual if stated[name] is None))
 
 
 @final
@@ -154,9 +158,7 @@ def calibrate(
     """
     if declared.exact:
         return uncalibrated(declared)
-    rows = [
-        np.concatenate([design(frame, each, []), each.wrench[:, :, None]], axis=2)[each.use] for each in stretches
-    ]
+    rows = [np.concatenate([design(frame, each, []), each.wrench[:, :, None]], axis=2)[each.use] for each in stretches]
     floors, memories, body = [each.floor for each in stretches], [1.0 for _ in stretches], frame.body
     grams = [Seen.of(z, np.ones(6)).gram for z in rows]
 

@@ -117,7 +117,9 @@ class _Logs:
 
     def each(self, read: Callable[[Array], Array]) -> _Logs:
         """read: of (T, 6) wrenches what is put in their place."""
-        moved = ([replace(m, wrench=read(m.wrench)) for m in logs] for logs in (self.excitation, self.test, self.contact))
+        moved = (
+            [replace(m, wrench=read(m.wrench)) for m in logs] for logs in (self.excitation, self.test, self.contact)
+        )
         holds = self.holds and replace(self.holds, wrench=read(self.holds.wrench))
         return _Logs(holds, self.acceleration, *moved)
 
@@ -159,7 +161,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if excitation:
         progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
     missing = _missing(payload, stages, logs, sign, criteria)
-    clean, sensor = logs, declared(payload.file, criteria)
+    named = any(each.effect in ("gain", "crosstalk") for each in missing.found)
+    clean, sensor = logs, declared(payload.file, criteria, contradicted=named)
     blamed = missing.of_sensor or missing.decision.verdict == "unexplained"
     as_sensor = None
     if blamed and not sensor.exact:
@@ -303,7 +306,8 @@ def _of_sensor(
     assert found.calibration is not None
     assert found.exact is not None
     left = dict[str, Array]()
-    for role, moved in (("excitation", clean.excitation), ("test", clean.test)):
+    roles: tuple[Role, Role] = ("excitation", "test")
+    for role, moved in zip(roles, (clean.excitation, clean.test), strict=True):
         for each in _stretches(payload, role, moved, found.exact, sign, criteria):
             external = found.compensation.external(each.motion, each.wrench)
             left[each.name] = np.sqrt(np.mean((external / each.floor)[each.use] ** 2, axis=0))
@@ -364,7 +368,10 @@ def _stretches(
     payload: Payload, role: Role, moved: Sequence[Moved], stages: Stages, sign: int, criteria: Criteria
 ) -> list[Stretch]:
     assert stages.excitation is not None
-    body, at_rest = stages.excitation.chosen.value[:10], None if stages.postures is None else stages.postures.holds.noise
+    body, at_rest = (
+        stages.excitation.chosen.value[:10],
+        None if stages.postures is None else stages.postures.holds.noise,
+    )
     return [
         moving_stretch(
             recording.name, each.motion, each.wrench, stages.gravity, sign, body, std_of(payload), criteria.payload,

@@ -13,7 +13,7 @@ from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.calibration import Calibration, declared, uncalibrated
 from exogauge.payload.contract import PayloadFile
-from exogauge.payload.dynamics import Prior, static_prior
+from exogauge.payload.dynamics import DynamicSolution, Prior, static_prior
 from exogauge.payload.evaluate import Evaluation, evaluate
 from exogauge.payload.intake import Payload, Recording, Stream, open_payload
 from exogauge.payload.live import Start
@@ -61,7 +61,7 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
             prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
         if stages.excitation is not None:
-            prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
+            prior = _after(stages.excitation.chosen, prior, settings.zero)
     else:
         sign = stated_sign(payload)
     std, density = _channels(payload, criteria)
@@ -97,13 +97,14 @@ def _identifying(payload: Payload) -> list[Recording]:
     return [*payload.of("postures"), *payload.of("excitation")]
 
 
-def _after(value: Array, covariance: Array, before: Prior, zero: str) -> Prior:
+def _after(found: DynamicSolution, before: Prior, zero: str) -> Prior:
     """What the excitation left known; a zero that drifts is then another one again."""
-    covariance = covariance.copy()
+    covariance, lean = found.covariance.copy(), found.lean.copy()
     if zero == "drifted":
         covariance[RELEASED], covariance[:, RELEASED] = 0.0, 0.0
         covariance[RELEASED, RELEASED] = before.covariance[RELEASED, RELEASED]
-    return Prior(value, covariance)
+        lean[RELEASED] = 0.0
+    return Prior(found.value, covariance, lean)
 
 
 def _channels(payload: Payload, criteria: Criteria) -> tuple[Array, Array]:

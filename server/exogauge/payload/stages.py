@@ -41,7 +41,7 @@ from exogauge.payload.statics import (
     told_sign,
     touched_postures,
 )
-from exogauge.payload.turned_axes import other_axes
+from exogauge.payload.turned_axes import exchanged_moments, other_axes, said_of_moments
 from exogauge.payload.turned_axes import said as said_of_axes
 from exogauge.studies.intake.robot_file import SIGN
 
@@ -126,6 +126,10 @@ def postures_stage(
                             "payload, that it does not shift, and the order and axes of pose and wrench."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
+    exchanged = exchanged_moments(holds, still)
+    if exchanged is not None:
+        detail, advice = said_of_moments(exchanged, payload.file.sensor.wrench)
+        raise BadStudy(Fault(detail, "other_axes", advice, first.wrench.file, None, payload.file.sensor.wrench[3]))
     sign = told_sign(holds, gravity, still)
     stated = sees
     if turned is not None and turned.angle is not None and turned.angle > np.radians(still.turned_deg):
