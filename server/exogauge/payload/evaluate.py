@@ -13,7 +13,7 @@ from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.findings.verdict import Caveat
 from exogauge.payload.calibration import Calibration, Declared, calibrate, declared, uncalibrated
-from exogauge.payload.contact import Compensation
+from exogauge.payload.contact import Compensation, false_alarm_limit
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
@@ -187,10 +187,12 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
         )  # fmt: skip
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
-    touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
+    moving_zero = any(each.effect.startswith("zero") for each in (*missing.found, *missing.suspected))
+    contact, of_contact = _zeroed(payload, stages.compensation, clean.contact, moving_zero, criteria)
+    touches, thresholds = _touches(payload, stages.compensation, contact, sign, criteria)
     touched = postures.touched if postures else ()
-    warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched,
-                *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
+    warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched, *said,
+                *of_contact, *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
     if test:
         progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
     level = _level(payload, (rigid or stages).postures, logs.excitation, criteria)
@@ -407,6 +409,29 @@ def _tests(
             for name, left in ways.items()
         }
     return out
+
+
+def _zeroed(
+    payload: Payload, compensation: Compensation, contact: Sequence[Moved], moving: bool, criteria: Criteria
+) -> tuple[list[Moved], list[str]]:
+    """Logs of contact with a zero of their own taken off, where one constant is what alarms through most of a log, and
+    other logs show that the zero moves; and what is said of it. moving: whether they do."""
+    out, said, most = list[Moved](), list[str](), criteria.payload.touched
+    limit = false_alarm_limit(criteria.payload_dynamic.zero_alarms)
+    for recording, each in zip(payload.of("contact"), contact, strict=True):
+        found = compensation.touched(each.motion, each.wrench, limit)
+        constant = np.median(found.external, axis=0)
+        without = replace(each, wrench=each.wrench - constant)
+        share = float(np.mean(compensation.touched(each.motion, without.wrench, limit).alarm))
+        if np.mean(found.alarm) < most or share > most * float(np.mean(found.alarm)):
+            out.append(each)
+            continue
+        force = float(np.linalg.norm(constant[:3]))
+        told = f"{recording.name}: {force:.3g} N stand there in {100 * np.mean(found.alarm):.0f} % of the time. "
+        taken = "Other logs show a zero that moves: taken for that, and off."
+        said.append(told + (taken if moving else "A zero that has moved looks like that, and so does a lasting touch."))
+        out.append(without if moving else each)
+    return out, said
 
 
 def _touches(

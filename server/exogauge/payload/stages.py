@@ -27,7 +27,7 @@ from exogauge.payload.dynamics import (
 )
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturated
-from exogauge.payload.other_units import moments_over_forces, units_for
+from exogauge.payload.other_units import explained, moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
 from exogauge.payload.statics import (
     Holds,
@@ -248,6 +248,8 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
         return
     if any(True for each in payload.of("excitation") for _ in saturated(payload, each, criteria)):
         return  # what is cut off or dead says nothing of units, and is told
+    if not explained(rows, ratio, criteria.payload_dynamic.misfit):
+        return
     if ratio < 0.0:
         if 1.0 / most <= -ratio <= most:
             file = payload.of("excitation")[0].wrench.file
