@@ -15,8 +15,6 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.criteria import Criteria
-from exogauge.payload.contract import PayloadFile, SensorUncertainty
 from exogauge.payload.dynamics import Rows, correlation_time
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.fit import LOOSE, SIZE, TILT, design
@@ -51,26 +49,6 @@ class Declared:
         gains = np.eye(6).ravel()
         own = scale[1] * across.ravel() + scale[0] * self.gain * gains
         return np.column_stack([scale[0] * self.common * gains, np.diag(own)])
-
-
-def declared(file: PayloadFile, criteria: Criteria, *, contradicted: bool = False) -> Declared:
-    """As payload.yaml says, else the defaults. contradicted: whether a gain or a crosstalk was named, so that a sensor
-    that is said to be exact is none."""
-    noise, said = file.sensor.noise, file.uncertainty
-    length = noise.moment_nm / noise.force_n
-    if said == "none":
-        if not contradicted:
-            return Declared(0.0, 0.0, 0.0, length)
-        said = SensorUncertainty()
-    usual = {
-        "ft_gain": criteria.declared.ft_gain,
-        "ft_gain_common": criteria.declared.ft_gain_common,
-        "ft_crosstalk": criteria.payload_static.ft_crosstalk,
-    }
-    stated = said.model_dump()
-    found = [usual[name] if stated[name] is None else float(stated[name]) for name in usual]
-    gain, common, across = found
-    return Declared(gain, common, across, length, frozenset(name for name in usual if stated[name] is None))
 
 
 @final

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.findings.verdict import Caveat
-from exogauge.payload.calibration import Calibration, Declared, calibrate, declared, uncalibrated
+from exogauge.payload.calibration import Calibration, Declared, calibrate, uncalibrated
 from exogauge.payload.contact import Compensation, false_alarm_limit
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
@@ -23,7 +23,7 @@ from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
 from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
 from exogauge.payload.missing.words import cause_of_residual
-from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
+from exogauge.payload.prepare import Moved, declared_of, holds_of, low_pass_of, moving, rows_of, std_of
 from exogauge.payload.remainder import Remainder, remainder
 from exogauge.payload.stages import (
     Excitation,
@@ -162,7 +162,7 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
         progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
     missing = _missing(payload, stages, logs, sign, criteria)
     named = any(each.effect in ("gain", "crosstalk") for each in missing.found)
-    clean, sensor = logs, declared(payload.file, criteria, contradicted=named)
+    clean, sensor = logs, declared_of(payload.file, criteria, contradicted=named)
     blamed = missing.of_sensor or missing.decision.verdict == "unexplained"
     as_sensor = None
     if blamed and not sensor.exact:

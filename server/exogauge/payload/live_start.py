@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
-from exogauge.payload.calibration import Calibration, declared, uncalibrated
+from exogauge.payload.calibration import Calibration, uncalibrated
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import DynamicSolution, Prior, static_prior
 from exogauge.payload.evaluate import Evaluation, evaluate
@@ -19,7 +19,7 @@ from exogauge.payload.intake import Payload, Recording, Stream, open_payload
 from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
 from exogauge.payload.missing.words import name_of
-from exogauge.payload.prepare import std_of
+from exogauge.payload.prepare import declared_of, std_of
 from exogauge.payload.sensor_motion import Chain
 from exogauge.payload.smoothing import likeliest, shown_std
 from exogauge.payload.stages import prior_of, stated_sign
@@ -44,7 +44,7 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
     gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
     believed, late = np.sqrt(np.diag(prior.covariance)), None
-    calibration: Calibration = uncalibrated(declared(payload.file, criteria))
+    calibration: Calibration = uncalibrated(declared_of(payload.file, criteria))
     in_doubt: tuple[str, ...] = ()
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
