@@ -79,7 +79,8 @@ class Calibration:
     """What is known of E. root: (36, k) of its covariance before. scale: by which gains and crosstalk are worse than
     declared, as axes differ. still, moving: what was read, with `taken` (6, 6) of E taken out of it, about a zero (6,).
     memory: samples in motion that count as one. evidence: log odds of such an E against none, of all that was read.
-    body: (10,) with it."""
+    body: (10,) with it. likeliest: by which gains and crosstalk are better or worse than declared, as axes differ:
+    what is taken out is shrunk so, and what it may be beyond that is doubt."""
 
     declared: Declared
     root: Array
@@ -92,6 +93,7 @@ class Calibration:
     zero: Array = field(default_factory=lambda: np.zeros(6))
     evidence: float = 0.0
     body: Array = field(default_factory=lambda: np.zeros(10))
+    likeliest: tuple[float, float] = (0.0, 0.0)
 
     @property
     def exact(self) -> bool:
@@ -147,13 +149,24 @@ def calibrate(
     def found() -> Calibration:
         now = seen()
         S, r = _of_sensor(*_equations(now, body, inclined))
-        grown, evidence = _scale(declared, S, r) if scale is None else (scale, 0.0)
+        likeliest, evidence = _scale(declared, S, r)
+        least = (1.0, 1.0) if scale is None else scale
+        grown = (max(likeliest[0], least[0]), max(likeliest[1], least[1]))
         still, moving = (
             tuple(each for each, of in zip(now, stretches, strict=True) if of.still == wanted)
             for wanted in (True, False)
         )
         return Calibration(
-            declared, declared.root(grown), grown, still, moving, max(memories), inclined, evidence=evidence, body=body
+            declared,
+            declared.root(grown),
+            grown,
+            still,
+            moving,
+            max(memories),
+            inclined,
+            evidence=evidence,
+            body=body,
+            likeliest=likeliest,
         )
 
     here = found()
@@ -169,7 +182,9 @@ def calibrate(
         here = found()
     if not take:
         return here
-    E, _ = here.known(body)
+    if here.likeliest == (0.0, 0.0):
+        return here
+    E, _ = replace(here, root=declared.root(here.likeliest)).known(body)
     H, X, _, h, _ = _equations([*here.still, *here.moving], body, inclined)
     here = replace(here, taken=E.reshape(6, 6), zero=_solved(H, h - X @ E)[10:16])
     for z in rows:
@@ -215,9 +230,9 @@ def _of_sensor(H: Array, X: Array, D: Array, h: Array, d: Array) -> tuple[Array,
 
 
 def _scale(declared: Declared, S: Array, r: Array) -> tuple[tuple[float, float], float]:
-    """By which gains and crosstalk are worse than declared, as readings have it likeliest: how axes differ says how
-    well the sensor is calibrated, also in what all have in common. And the log odds of that against no E at all."""
-    tried = (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0)
+    """By which gains and crosstalk are better or worse than declared, as readings have it likeliest: how axes differ
+    says how well the sensor is calibrated, also in what all have in common. And the log odds of that against no E."""
+    tried = (0.0, 0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0)
 
     def odds(scale: tuple[float, float]) -> float:
         R = declared.root(scale)

@@ -283,7 +283,7 @@ def _calibrated(
     inclined = stages.postures is not None and stages.postures.chosen.inclined
     frame = Frame(stages.gravity, sign, stages.body)
     found = calibrate(sensor, [*still, *moving], frame, inclined, take=take, scale=scale)
-    if take:
+    if found.taken.any():
         logs = logs.each(found.corrected)
         again = _still(payload, logs.holds, logs.acceleration, criteria)
         stages = _stages(payload, logs, sign, *again, criteria, doubt)
