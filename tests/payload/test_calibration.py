@@ -79,7 +79,8 @@ def test_a_sensor_that_nobody_calibrated_misleads_nobody(matrix: Array, tmp_path
     for seed in range(2):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        truth = foreign.write(folder, seed, spoil=foreign.wrench(lambda w: w @ matrix.T))
+        made = foreign.write(folder, seed, spoil=foreign.wrench(lambda w: w @ matrix.T))
+        truth = replace(made, zero=matrix @ made.zero)  # as it is read
         found = evaluate(open_payload(folder))
         errors.append(off(found, truth))
         assert found.missing.decision.verdict in ("none", "effects")
