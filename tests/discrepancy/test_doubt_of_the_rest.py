@@ -73,7 +73,8 @@ def test_the_doubt_is_that_of_the_columns_as_they_stand_in_the_rows(drawn):
     U, sizes, _ = np.linalg.svd(own / np.maximum(np.linalg.norm(own, axis=0), 1e-12), full_matrices=False)
     U = U[:, sizes > 1e-6 * sizes[0]]
     moved = model.solution.unbounded.divided(weight * A.T @ U)
-    square = left.rmse**2 - left.noise_floor**2
+    fits = [fit for fit in one.validation if not fit.held_out and fit.channel == left.channel]
+    square = np.mean([fit.rmse_moving**2 for fit in fits]) - np.mean([fit.noise_floor**2 for fit in fits])
     np.testing.assert_allclose(grown, moved @ moved.T * square * len(A) / U.shape[1], rtol=1e-6, atol=1e-12)
 
 

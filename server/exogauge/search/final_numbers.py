@@ -28,7 +28,7 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.robots.rows import RowType
 from exogauge.search.doubt import shape_slopes
-from exogauge.search.locate import all_channels
+from exogauge.search.locate import all_channels, pooled
 from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
 
@@ -50,13 +50,17 @@ def with_doubt_of_shapes(
 
 
 def with_doubt_of_what_is_left(found: Identification, left: Sequence[Excess]) -> Identification:
-    """left: channels that stand above their noise for a reason that has no name."""
+    """left: channels that stand above their noise for a reason that has no name. How far they do where they were fitted
+    is what counts: there parameters took it up."""
     model = found.model
     kinds = {channel: kind for kind, channel in all_channels(model.equations).items()}
     more = np.zeros_like(model.covariance)
     for each in left:
-        more += _of_what_is_left(model, kinds[each.channel], each.rmse**2 - each.noise_floor**2)
-    return _doubted(found, more) if left else found
+        fits = [fit for fit in found.validation if not fit.held_out and fit.channel == each.channel]
+        rmse, floor = pooled(fits)
+        if rmse > floor:
+            more += _of_what_is_left(model, kinds[each.channel], rmse**2 - floor**2)
+    return _doubted(found, more) if more.any() else found
 
 
 def _of_what_is_left(model: RobotModel, kind: int, square: float) -> Array:
