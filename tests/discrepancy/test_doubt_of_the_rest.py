@@ -86,3 +86,12 @@ def test_other_joints_are_not_in_doubt(drawn):
     assert after["tau_c[j2]"] > 2.0 * before["tau_c[j2]"]
     assert after["tau_c[j3]"] == pytest.approx(before["tau_c[j3]"], rel=0.2)
     assert with_doubt_of_what_is_left(one, []) is one
+
+
+def test_a_parameters_budget_says_how_much_of_its_doubt_it_is(drawn):
+    one, left, _ = drawn[0]
+    found = {each.name: each for each in with_doubt_of_what_is_left(one, [left]).parameters}
+    was, told = {each.name: each for each in one.parameters}, found["tau_c[j2]"]
+    assert told.parts["robot"] == was["tau_c[j2]"].std
+    assert told.std == pytest.approx(np.hypot(told.parts["robot"], told.parts["unexplained"]))
+    assert told.parts["unexplained"] > 10.0 * found["tau_c[j3]"].parts["unexplained"]
