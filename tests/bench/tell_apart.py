@@ -2,7 +2,8 @@
 
 `python -m tests.bench.tell_apart SEED CASES [EFFECT,EFFECT …]`: cases of the blind benchmark's arm. `rate`: evidence of
 10 s of the motion for the rival that it tells worst, of those that it tells. `sweep`: of the best single joint that is
-swept; `offered`: of the motion that the finding asks for. The generator plays what was offered, and the case is evaluated once more with it.
+swept; `offered`: of the motion that the finding asks for. The generator plays it twice, one held out, and the case is
+evaluated once more.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from exogauge.blind.generator.plan import case_name
 from exogauge.blind.generator.play import play
 from exogauge.blind.verdict import Verdict, verdict
 from exogauge.experiment import design
-from exogauge.experiment.design import Known, Outcome, Tried, Weighing, can_be_planned, reach_in
+from exogauge.experiment.design import Known, Outcome, Weighing, can_be_planned, reach_in
 from exogauge.experiment.motion_choices import Choice
 from exogauge.experiment.workspace_limits import room
 from exogauge.logs.model import Log
@@ -77,7 +78,7 @@ def _case(folder: Path, seed: int, number: int, effects: tuple[str, ...]) -> lis
         return None
     tables, sweeps, offers, rivals = [], [], [], 0
     for doubt, logs, moving, outcome in asked:
-        sweep, offered = rates(doubt, logs, moving)
+        sweep, offered = rates(doubt, logs, moving, outcome)
         sweeps.append(sweep)
         offers.append(offered)
         rivals += len(outcome.pairs)
@@ -98,21 +99,16 @@ def _kept_of(study: Path) -> None:
     file.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
 
 
-def rates(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None) -> tuple[float, float]:
+def rates(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None, outcome: Outcome) -> tuple[float, float]:
     """Evidence per 10 s, of the rival that is told worst: of the best plain sweep, of what is offered first."""
     assert can_be_planned(doubt)
     here, known = room(doubt.model, logs), Known.of(doubt)
-    weighing = Weighing.of(known, here, None if moving is None else reach_in(moving, doubt.model, here))
-    every = weighing.tries()
+    every = Weighing.of(known, here, None if moving is None else reach_in(moving, doubt.model, here)).tries()
     plain = [each for each in every if isinstance(each.choice, Choice) and each.choice.companion is None]
-    rivals = {k for k in range(1, len(doubt.contenders)) if any(each.repeats[k] is not None for each in every)}
-    best = min([*every, *weighing.better(every, rivals)], key=lambda each: each.cost(rivals, weighing.priced))
-    told = {k for k in rivals if best.repeats[k] is not None}
-
-    def rate(each: Tried) -> float:
-        return 10.0 * min(each.gain[k] for k in told) / each.seconds
-
-    return max((rate(each) for each in plain), default=0.0), rate(best)
+    first = outcome.motions[0].pairs
+    told = [k for k, pair in enumerate(outcome.pairs, 1) if pair in first]
+    sweep = max((10.0 * min(each.gain[k] for k in told) / each.seconds for each in plain), default=0.0)
+    return sweep, min(pair.rate for pair in first)
 
 
 def _said(study: Path, out: Path, answer: dict[str, Any]) -> Verdict:

@@ -82,9 +82,7 @@ def _of(model: RobotModel, room: Room, lead: int, beside: Sequence[int], slow_ch
         ]
         if faster:
             alone += [_speeds(criteria, offset, size, slowest, top), _sine(criteria, offset, size, top)]
-    alone += [
-        _speeds(criteria, wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual) for side in (-1.0, 1.0)
-    ]
+    alone += [_speeds(criteria, wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual) for side in (-1.0, 1.0)]
     if slow_change:
         minutes = 300.0
         alone += [_sine(criteria, *seen, usual, minutes), _speeds(criteria, *seen, slowest, usual, minutes)]
