@@ -147,6 +147,13 @@ class Judging:
         "where far more than noise is left, is no cause",
         judgement("docs/decisions/0022-feet.md"),
     )
+    hardly: float = criterion(
+        0.25,
+        "1",
+        "of the same excess of one channel: what acts on many channels and explains less of each is fitted to what one "
+        "of them lacks for another reason",
+        judgement("docs/decisions/0022-feet.md"),
+    )
 
     @property
     def needed_s(self) -> float:

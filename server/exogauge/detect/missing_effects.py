@@ -23,7 +23,7 @@ from exogauge.search.afterwards import look_into_odd_logs, shapes_again
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
 from exogauge.search.declared import within_declared
-from exogauge.search.final_numbers import with_doubt_of_shapes, with_final_numbers
+from exogauge.search.final_numbers import with_doubt_of_shapes, with_doubt_of_what_is_left, with_final_numbers
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
 from exogauge.search.partial import without_partial_names
@@ -44,13 +44,15 @@ def missing_effects(so_far: SoFar) -> SoFar:
     base = search.problem.base
     models = (*so_far.models[:-1], base, *(each.found for each in search.steps), *(each.found for each in bends))
     current = with_doubt_of_shapes(models[-1], search.added, search.problem.recordings)
+    notes = joined if any(each.held_out for each in recordings) else (Caveat("not_held_out"),)
+    told = _told(search, current, with_bends=bool(bends), notes=notes)
+    current = with_doubt_of_what_is_left(current, told.after)
     so_far = replace(so_far, models=(*models[:-1], current)).having(findings)
     unnamed = tuple(ChainStep(each.what, each.finding.effect, each.finding.place) for each in bends)
-    notes = joined if any(each.held_out for each in recordings) else (Caveat("not_held_out"),)
     return replace(
         so_far,
         additions=(*so_far.additions, *unnamed),
-        searched=_told(search, current, with_bends=bool(bends), notes=notes),
+        searched=told,
     )
 
 

@@ -6,6 +6,12 @@ identification takes shapes as given. Where a shape may as well be another one b
 beside it move along: with A their columns, c the change of the effect's torque with its shapes, W the weights and H
 the normal matrix with the prior, dx/dshape = -H⁻¹ Aᵀ W c, and the covariance of x gains (dx/dshape) C (dx/dshape)ᵀ,
 C that of the shapes with all else free.
+
+What is left and has no name makes all that is fitted beside it doubtful, too: what is missing there is fitted by the
+parameters as far as they can, and only the rest of it is seen. Of what they took up nothing is known but that it is of
+the rest's kind. So it counts as large as the rest, g² N of N rows, and as likely along each of the p directions that
+the row's own parameters span: with Q their orthonormal basis the covariance of x gains
+H⁻¹ Aᵀ W Q (g² N / p) Qᵀ W A H⁻¹.
 """
 
 from __future__ import annotations
@@ -16,11 +22,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.findings.result import Finding
+from exogauge.findings.result import Excess, Finding
 from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
+from exogauge.robots.rows import RowType
 from exogauge.search.doubt import shape_slopes
+from exogauge.search.locate import all_channels
 from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
 
@@ -38,6 +46,37 @@ def with_doubt_of_shapes(
     rows = collect_rows(model, recordings, list(dict.fromkeys(each.site for each in free)))
     for each in free:
         more += _of_shapes(model, each, [one for one in rows[each.site] if not one.held_out])
+    return _doubted(found, more)
+
+
+def with_doubt_of_what_is_left(found: Identification, left: Sequence[Excess]) -> Identification:
+    """left: channels that stand above their noise for a reason that has no name."""
+    model = found.model
+    kinds = {channel: kind for kind, channel in all_channels(model.equations).items()}
+    more = np.zeros_like(model.covariance)
+    for each in left:
+        more += _of_what_is_left(model, kinds[each.channel], each.rmse**2 - each.noise_floor**2)
+    return _doubted(found, more) if left else found
+
+
+def _of_what_is_left(model: RobotModel, kind: int, square: float) -> Array:
+    """(P, P) that a row's unexplained mean square adds to the covariance."""
+    statistics, equations, weight = model.solution.statistics, model.equations, model.solution.weights[kind]
+    row, columns, gram = equations.layout.rows[kind], equations.columns()[kind], statistics.gram(kind)
+    of_axis = set(equations.effect_columns(row.place)) if row.type == RowType.AXIS else set(columns)
+    own = np.flatnonzero([column in of_axis for column in columns])
+    spanned = gram[np.ix_(own, own)]
+    B = np.zeros((equations.size, len(own)))
+    B[columns] = weight * gram[:, own]
+    x = model.solution.unbounded.divided(B)
+    directions = int(np.linalg.matrix_rank(spanned, hermitian=True))
+    scale = square * float(statistics.count[kind]) / max(directions, 1)
+    return np.asarray(scale * (x @ np.linalg.pinv(spanned, hermitian=True) @ x.T))
+
+
+def _doubted(found: Identification, more: Array) -> Identification:
+    """more: (P, P) added to the covariance of what is fitted."""
+    model = found.model
     lift = model.solution.prior.lift_covariance
     before, after = np.diag(lift(model.covariance)), np.diag(lift(model.covariance + more))
     gained = np.maximum(after - before, 0.0)

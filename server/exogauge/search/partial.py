@@ -20,6 +20,9 @@ def without_partial_names(search: Search, found: Identification, findings: Seque
     that still stand far above their noise with all of it; None where there are none. found: with all of that, bends
     too. findings: of all steps.
 
+    What acts on many channels at once moves a little of each, also of one that lacks something else. Where it explains
+    hardly anything of any of them, one that stands above its noise is enough.
+
     Two effects at one place, each with its share, together reach the floor: then both stay. What is told of one log
     alone is judged there.
     """
@@ -39,26 +42,42 @@ def _objection(search: Search, found: Identification, finding: Finding, number: 
         return None
     equations = search.problem.base.model.equations
     channels = [channel_of(equations, kind) for kind in search.steps[number].added.site.kinds(equations)]
-    share = _share(search, finding, number, channels)
-    if share >= criteria.mostly:
+    share, most = _share(search, finding, number, channels), _most(search, number, channels)
+    if share >= criteria.mostly and most >= criteria.hardly:
         return None
+    bar = criteria.far_above if most >= criteria.hardly else criteria.above
     known = 1e-3  # of what is left: a lower floor is that of rounding
     for channel in channels:
         left, floor = _held_out(found, channel)
-        if np.isfinite(left) and left >= criteria.far_above * floor >= known * left:
+        if np.isfinite(left) and left >= bar * floor >= known * left:
             return Objection(Why.PARTIAL, max(share, 0.0), left / floor, of=(channel,))
     return None
 
 
 def _share(search: Search, finding: Finding, number: int, channels: Sequence[str]) -> float:
     """Of the square error beyond the noise that was there before anything was named, in units of each row's noise."""
-    base, held = search.problem.base, finding.held_out
+    held = finding.held_out
     if len(channels) == 1:  # with its own curve and the shape that was sought again
-        there, floor = _held_out(base, held.channel)
+        there, floor = _held_out(search.problem.base, held.channel)
         return (held.rmse_before**2 - held.rmse_after**2) / max(there**2 - floor**2, 1e-300)
-    before = search.steps[number - 1].found if number else base
-    first, then, now = (_beyond(each, channels) for each in (base, before, search.steps[number].found))
+    first, then, now = (_beyond(each, channels) for each in _without_and_with(search, number))
     return (then - now) / max(first, 1e-300)
+
+
+def _most(search: Search, number: int, channels: Sequence[str]) -> float:
+    """The same of the channel that stood above its noise of which it explains most; 1 of a single channel, whose
+    formula may be not quite right, and where none stood above."""
+    base, before, now = _without_and_with(search, number)
+    above = search.problem.settings.criteria.judging.above**2 - 1.0
+    of_each = ((_beyond(base, [each]), _beyond(before, [each]) - _beyond(now, [each])) for each in channels)
+    shares = [gone / there for there, gone in of_each if there >= above]
+    return max(shares) if shares and len(channels) > 1 else 1.0
+
+
+def _without_and_with(search: Search, number: int) -> tuple[Identification, Identification, Identification]:
+    """Nothing named, all that was named before it, and it too."""
+    base = search.problem.base
+    return base, search.steps[number - 1].found if number else base, search.steps[number].found
 
 
 def _beyond(found: Identification, channels: Sequence[str]) -> float:
