@@ -2,8 +2,8 @@
 
 `python -m tests.bench.tell_apart SEED CASES [EFFECT,EFFECT …]`: cases of the blind benchmark's arm. `rate`: evidence of
 10 s of the motion for the rival that it tells worst, of those that it tells. `sweep`: of the best single joint that is
-swept; `offered`: of the motion that the finding asks for; `most`: of the motion of all that are considered that tells
-most a second. The generator plays what was offered, and the case is evaluated once more with it.
+swept; `offered`: of the motion that the finding asks for. The generator plays it twice, one held out, and the case is
+evaluated once more.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from exogauge.blind.generator.plan import case_name
 from exogauge.blind.generator.play import play
 from exogauge.blind.verdict import Verdict, verdict
 from exogauge.experiment import design
-from exogauge.experiment.design import Known, Outcome, Tried, can_be_planned, reach_in, tries
+from exogauge.experiment.design import Known, Outcome, Weighing, can_be_planned, reach_in
 from exogauge.experiment.motion_choices import Choice
 from exogauge.experiment.workspace_limits import room
 from exogauge.logs.model import Log
@@ -47,8 +47,8 @@ def report(seed: int, cases: int, effects: tuple[str, ...]) -> None:
         if row is not None:
             rows.append(row)
             print(*row, sep=" | ", flush=True)
-    print(text_table(("case", "hidden", "rivals", "sweep", "offered", "most", "times", "before", "after"), rows))
-    ratios = [float(row[6]) for row in rows]
+    print(text_table(("case", "hidden", "rivals", "sweep", "offered", "times", "before", "after"), rows))
+    ratios = [float(row[5]) for row in rows]
     if ratios:
         most = sum(ratio >= 1.5 for ratio in ratios)
         print(f"least {min(ratios):.2f} times the sweep, 1.5 times in {most} of {len(ratios)}")
@@ -76,19 +76,18 @@ def _case(folder: Path, seed: int, number: int, effects: tuple[str, ...]) -> lis
     if not asked:
         print(case_name(number), [each["effect"] for each in answer["effects"]], "asks for no motion", flush=True)
         return None
-    tables, sweeps, offers, mosts, rivals = [], [], [], [], 0
+    tables, sweeps, offers, rivals = [], [], [], 0
     for doubt, logs, moving, outcome in asked:
-        sweep, offered, most = rates(doubt, logs, moving)
+        sweep, offered = rates(doubt, logs, moving, outcome)
         sweeps.append(sweep)
         offers.append(offered)
-        mosts.append(most)
         rivals += len(outcome.pairs)
         tables += [(each.time, each.q, each.repeats) for each in outcome.motions]
     play(study, seed, number, tables, ARM, effects)
     after = _said(study, folder / "after", answer)
     ratio = min(offered / sweep if sweep > 0.0 else np.inf for sweep, offered in zip(sweeps, offers, strict=True))
     hidden = ", ".join(each["effect"] for each in answer["effects"]) or "nothing"
-    told = (f"{min(each):.1f}" for each in (sweeps, offers, mosts))
+    told = (f"{min(each):.1f}" for each in (sweeps, offers))
     return [case_name(number), hidden, str(rivals), *told, f"{ratio:.2f}", _right(before), _right(after)]
 
 
@@ -100,20 +99,16 @@ def _kept_of(study: Path) -> None:
     file.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
 
 
-def rates(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None) -> tuple[float, float, float]:
-    """Evidence per 10 s, of the rival that is told worst: of the best plain sweep, of what is offered first, of all."""
+def rates(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None, outcome: Outcome) -> tuple[float, float]:
+    """Evidence per 10 s, of the rival that is told worst: of the best plain sweep, of what is offered first."""
     assert can_be_planned(doubt)
     here, known = room(doubt.model, logs), Known.of(doubt)
-    every = tries(known, here, None if moving is None else reach_in(moving, doubt.model, here))
+    every = Weighing.of(known, here, None if moving is None else reach_in(moving, doubt.model, here)).tries()
     plain = [each for each in every if isinstance(each.choice, Choice) and each.choice.companion is None]
-    rivals = {k for k in range(1, len(doubt.contenders)) if any(each.repeats[k] is not None for each in every)}
-    best = min(every, key=lambda each: each.cost(rivals, doubt.model.criteria.planning.amply))
-    told = {k for k in rivals if best.repeats[k] is not None}
-
-    def rate(each: Tried) -> float:
-        return 10.0 * min(each.gain[k] for k in told) / each.seconds
-
-    return max((rate(each) for each in plain), default=0.0), rate(best), max(rate(each) for each in every)
+    first = outcome.motions[0].pairs
+    told = [k for k, pair in enumerate(outcome.pairs, 1) if pair in first]
+    sweep = max((10.0 * min(each.gain[k] for k in told) / each.seconds for each in plain), default=0.0)
+    return sweep, min(pair.rate for pair in first)
 
 
 def _said(study: Path, out: Path, answer: dict[str, Any]) -> Verdict:

@@ -29,9 +29,12 @@ def test_a_robot_that_plays_what_it_did_gives_what_it_gave(tmp_path: Path) -> No
     slowly = here.motion.time[::4]
     play(folder, SEED, NUMBER, [(slowly, here.motion.q[0, ::4], 1)], "arm6", HIDDEN)
     assert {path.name: path.read_bytes() for path in (folder / "logs").iterdir() if path.name in before} == before
-    assert yaml.safe_load((folder / "study.yaml").read_text())["logs"][-1] == {
-        "file": "logs/planned_1.parquet", "role": "identification",
-    }  # fmt: skip
+    assert yaml.safe_load((folder / "study.yaml").read_text())["logs"][-2:] == [
+        {"file": "logs/planned_1.parquet", "role": "identification"},
+        {"file": "logs/planned_1_again.parquet", "role": "validation"},
+    ]
+    twice = [pq.read_table(folder / "logs" / f"planned_1{name}.parquet") for name in ("", "_again")]
+    assert twice[0] != twice[1]  # noise of its own
     first, again = (pq.read_table(folder / "logs" / name) for name in ("id_1.parquet", "planned_1.parquet"))
     (hidden,) = answer["effects"]
     for column in first.column_names:

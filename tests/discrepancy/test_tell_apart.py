@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
+import yaml
 from scipy.interpolate import CubicSpline
 from tests.discrepancy.conftest import FRICTION, JOINTS, RATE, SETTINGS, inverse_dynamics
 
@@ -13,7 +15,7 @@ from exogauge.criteria.planning import Planning
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
-from exogauge.experiment.design import Known, tell_apart, with_motions
+from exogauge.experiment.design import Known, Weighing, reach_in, tell_apart, with_motions
 from exogauge.experiment.motion_choices import choices
 from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import carrying, room
@@ -25,6 +27,7 @@ from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite
 from exogauge.logs.model import Log
+from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree
 from exogauge.search.ambiguity import Undecided, undecided
@@ -178,6 +181,64 @@ def test_an_effect_is_never_told_from_itself(fast_only, pair):
     assert apart.left_now < 1e-9
     assert apart.left_then < 1e-9
     assert "both look the same" in not_told(apart)
+
+
+MOST = 20.0  # [rad/s²]
+CAPSULES = {"base": (0.08, 0.05), "lj1": (0.04, 0.15), "lj2": (0.04, 0.15), "lj3": (0.04, 0.15)}  # radius, length [m]
+
+
+@pytest.fixture(scope="module")
+def moving(tmp_path_factory, arm_urdf):
+    """The arm as motions are planned for it, every bound of which its file tells."""
+    folder = tmp_path_factory.mktemp("arm")
+    (folder / "robot.urdf").write_text(arm_urdf)
+    shapes = {link: [{"capsule": list(size), "xyz": [0.0, 0.0, 0.1]}] for link, size in CAPSULES.items()}
+    content = {
+        "version": 1, "name": "arm", "urdf": "robot.urdf", "base": "fixed", "uncertainty": "none",
+        "joints": [{"name": name, "actuation": "torque"} for name in JOINTS], "noise": {"tau": 0.05},
+        "limits": {"acceleration": MOST}, "collision": {"shapes": shapes},
+    }  # fmt: skip
+    (folder / "robot.yaml").write_text(yaml.safe_dump(content))
+    return load_motion_robot(folder / "robot.yaml")
+
+
+def nearest(urdf: str, q: np.ndarray) -> float:
+    """[m] of capsules that no one joint lies between, by points along their axes."""
+    model = pin.buildModelFromXML(urdf)
+    data, found = model.createData(), np.inf
+    for posture in q:
+        pin.framesForwardKinematics(model, data, posture)
+        axes = {}
+        for link, (_, length) in CAPSULES.items():
+            along = np.outer(0.1 + np.linspace(-0.5, 0.5, 31) * length, [0.0, 0.0, 1.0])
+            at = data.oMf[model.getFrameId(link, pin.FrameType.BODY)]
+            axes[link] = along @ at.rotation.T + at.translation
+        for one, other in (("base", "lj2"), ("base", "lj3"), ("lj1", "lj3")):
+            far = np.linalg.norm(axes[one][:, None] - axes[other][None], axis=2).min()
+            found = min(found, far - CAPSULES[one][0] - CAPSULES[other][0])
+    return found
+
+
+def test_whatever_tells_most_a_second_is_offered_and_keeps_every_bound(fast_only, doubt, moving, arm_urdf):
+    model = doubt.model
+    criteria = replace(model.criteria, planning=replace(model.criteria.planning, varied=8))
+    quickly = replace(doubt, model=replace(model, criteria=criteria))
+    here, known = room(model, fast_only.logs), Known.of(quickly)
+    sweeps = Weighing.of(known, here, reach_in(moving, model, here)).tries()
+    outcome = tell_apart(quickly, fast_only.logs, moving)
+    (motion,), (promised,) = outcome.motions, outcome.pairs
+    assert (motion.kept, motion.unknown) == (("touch", "torque"), ())
+    assert promised.rate >= max(10.0 * each.gain[1] / each.seconds for each in sweeps if each.sort == "sweep")
+
+    path = CubicSpline(motion.time, motion.q)
+    t = np.arange(0.0, motion.time[-1], 1.0 / RATE)
+    q, v, a = path(t), path(t, 1), path(t, 2)
+    assert np.abs(q).max() <= 3.0
+    assert np.abs(v).max() <= Planning().of_top * 10.0
+    assert np.abs(a).max() <= MOST
+    drive = inverse_dynamics(q, v, a) + FRICTION["k_d"] * v + FRICTION["tau_c"] * np.sign(v)
+    assert np.abs(drive).max() <= 100.0
+    assert nearest(arm_urdf, q[::10]) > 0.01 - 1e-3
 
 
 class _Scaled:

@@ -147,6 +147,13 @@ class Judging:
         "where far more than noise is left, is no cause",
         judgement("docs/decisions/0022-feet.md"),
     )
+    hardly: float = criterion(
+        0.25,
+        "1",
+        "of the same excess of one channel: what explains less of each on which it acts, and leaves one above its "
+        "noise, is fitted to what is lacking there for another reason",
+        judgement("docs/decisions/0022-feet.md"),
+    )
 
     @property
     def needed_s(self) -> float:

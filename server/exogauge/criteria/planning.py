@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import criterion, derived, judgement, measured
 
 RULES = "docs/decisions/0011-rules-of-single-effects.md, the motion that would tell"
 
@@ -20,9 +20,6 @@ class Planning:
 
     enough: float = criterion(
         10.0, "evidence", "tells two effects apart: odds of 150 to one", derived("2 ln 150 = 10.02")
-    )
-    amply: float = criterion(
-        3.0, "1", "times what is enough: what is found is never quite as was expected", judgement(RULES)
     )
     longest_s: float = criterion(600.0, "s", "of motion that is worth asking for", judgement(RULES))
     shortest_s: float = criterion(20.0, "s", "that a recording lasts at least", judgement(RULES))
@@ -60,7 +57,23 @@ class Planning:
     )
 
     drawn: int = criterion(
-        3, "motions", "of the whole robot that are drawn within its bounds, where its file tells them", judgement(RULES)
+        4,
+        "motions",
+        "of the whole robot, of each pace, that are drawn within its bounds, where its file tells them",
+        judgement(RULES),
+    )
+    calm_hz: float = criterion(
+        0.25, "Hz", "up to which calm ones move: at a passage of two seconds a joint is steady", judgement(RULES)
+    )
+    varied: int = criterion(
+        150,
+        "times",
+        "that the best motion of each sort is changed a little at most, to tell more a second",
+        measured(f"{RULES}: 200 gave 1.5 times the evidence of 40"),
+    )
+    change: float = criterion(0.3, "1", "of a motion's sizes, by which it is changed at first", judgement(RULES))
+    least_change: float = criterion(
+        0.01, "1", "of them, below which nothing more is looked for: a joint does not follow closer", judgement(RULES)
     )
     unseen: float = criterion(
         0.1, "1", "of the top speed, for joints that hardly moved in the logs while others are told", judgement(RULES)

@@ -19,6 +19,7 @@ from exogauge.experiment.motion_choices import Choice, choices
 from exogauge.experiment.moving_choices import Moving, moving_choices
 from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
 from exogauge.experiment.reach import Reach, asked_of, reach_of
+from exogauge.experiment.varied import climbed, nearby
 from exogauge.experiment.workspace_limits import Room, room
 from exogauge.findings.planned_motion import Apart, Bound, PlannedMotion
 from exogauge.findings.result import Finding, Place
@@ -48,19 +49,26 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
     one joint is swept, and within its own bounds alone. None where no motion can be planned: the joint carries the
     robot, its feet's sensors are in question, only one log has the effect, or the logs move too little to say what the
     robot may do."""
+    if not can_be_planned(doubt):
+        return None
     here, known = room(doubt.model, logs), Known.of(doubt)
     reach = None if moving is None else reach_in(moving, doubt.model, here)
-    tried = tries(known, here, reach) if can_be_planned(doubt) else []
+    weighing = Weighing.of(known, here, reach)
+    tried = weighing.tries()
     if not tried:
         return None
     everyone, criteria = range(1, len(doubt.contenders)), doubt.model.criteria.planning
     apart: dict[int, Apart] = {}
     motions: list[PlannedMotion] = []
     closest = {k: known.pair(k, _closest(tried, k), 1) for k in everyone}
+    climbed_for = set[int]()
     while left := {k for k in everyone if k not in apart and any(each.repeats[k] is not None for each in tried)}:
-        best = min(tried, key=lambda each: each.cost(left, criteria.amply))
+        if left != climbed_for:
+            tried, climbed_for = [*tried, *weighing.better(tried, left)], left
+        best = min(tried, key=lambda each: each.cost(left, weighing.priced))
         told = {k for k in left if best.repeats[k] is not None}
-        repeats = int(np.ceil(max(criteria.shortest_s / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
+        many = max(criteria.shortest_s / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)
+        repeats = int(np.ceil(many - 1e-3))  # a sample less is as long
         pairs = {k: known.pair(k, best, repeats) for k in told}
         motion = _motion(doubt, here, best, repeats, [pairs[k] for k in sorted(told)], reach)
         if reach is not None and not reach.keeps(motion.q, criteria.handed_hz, criteria.checked_hz):
@@ -80,17 +88,61 @@ def can_be_planned(doubt: Undecided) -> bool:
     return not any(isinstance(site, SensorSite) and site.contact for site in sites)
 
 
-def tries(known: Known, here: Room, reach: Reach | None) -> list[Tried]:
-    """Every motion that is considered, with what it would do."""
-    doubt, model = known.doubt, with_next_log(known.doubt.model)
-    sites = [each.candidate.site for each in doubt.contenders]
-    slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in doubt.contenders)
-    found = []
-    for choice in _possible(model, here, sites, slow_change, reach):
-        rows = new_rows(doubt, model, here, choice, known.kept)
-        if rows is not None:
-            found.append(Tried.of(known, choice, rows))
-    return found
+@final
+@dataclass(frozen=True)
+class Weighing:
+    """What motions would do. model: for which the planned log comes next. priced: whether what is awkward of a motion
+    counts, as not all of its bounds are known."""
+
+    known: Known
+    model: RobotModel
+    here: Room
+    reach: Reach | None
+
+    @staticmethod
+    def of(known: Known, here: Room, reach: Reach | None) -> Weighing:
+        return Weighing(known, with_next_log(known.doubt.model), here, reach)
+
+    @property
+    def priced(self) -> bool:
+        return self.reach is None or bool(self.reach.unknown)
+
+    def tries(self) -> list[Tried]:
+        """Every motion that is considered, with what it would do."""
+        contenders = self.known.doubt.contenders
+        slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in contenders)
+        sites = [each.candidate.site for each in contenders]
+        possible = _possible(self.model, self.here, sites, slow_change, self.reach)
+        return [tried for choice in possible if (tried := self._tried(choice)) is not None]
+
+    def better(self, tried: Sequence[Tried], rivals: set[int]) -> list[Tried]:
+        """The best sweep, the best motion of the whole robot and the best of both at once, each changed until it tells
+        more of `rivals` a second."""
+
+        def changed(each: Tried, rng: np.random.Generator, size: float) -> Tried | None:
+            choice = nearby(each.choice, rng, size, self.model, self.here)
+            return None if choice is None or not self._keeps(choice) else self._tried(choice)
+
+        def worth(each: Tried) -> tuple[int, float]:
+            untold, cost = each.cost(rivals, self.priced)
+            return -untold, -cost
+
+        sorts = dict[str, list[Tried]]()
+        for each in tried:
+            if any(each.repeats[k] is not None for k in rivals):
+                sorts.setdefault(each.sort, []).append(each)
+        criteria = self.model.criteria.planning
+        return [climbed(max(some, key=worth), changed, worth, criteria) for some in sorts.values()]
+
+    def _tried(self, choice: Choice | Moving) -> Tried | None:
+        rows = new_rows(self.known.doubt, self.model, self.here, choice, self.known.kept)
+        return None if rows is None else Tried.of(self.known, choice, rows)
+
+    def _keeps(self, choice: Choice | Moving) -> bool:
+        hz = self.model.criteria.planning.looked_hz
+        if isinstance(choice, Moving):
+            return choice.keeps(hz)
+        return self.reach is None or self.reach.keeps(choice.positions(self.here.posture, hz), hz, hz)
 
 
 @final
@@ -223,13 +275,18 @@ class Tried:
         repeats = {k: _needed(known, after, rows.seconds, k, gain[k]) for k in everyone}
         return Tried(choice, rows.seconds, after, gain, repeats)
 
-    def cost(self, rivals: set[int], amply: float) -> tuple[int, float, float]:
-        """How many it does not tell apart; [s] until it does the others amply, with what is awkward of it; and, of what
-        takes as long, first what says more. A motion is moved as a whole: what is ample anyway need not be fast."""
+    @property
+    def sort(self) -> str:
+        if isinstance(self.choice, Moving):
+            return "moving" if self.choice.swept is None else "both"
+        return "sweep"
+
+    def cost(self, rivals: set[int], priced: bool) -> tuple[int, float]:
+        """How many it does not tell apart; and of the one that it tells worst the negative evidence a second, over the
+        price where that counts."""
         told = [k for k in rivals if self.repeats[k] is not None]
-        needed = max((amply * (self.repeats[k] or 0.0) for k in told), default=0.0)
         worth = min((self.gain[k] for k in told), default=0.0) / self.seconds
-        return len(rivals) - len(told), max(needed, 1.0) * self.seconds * self.choice.price, -worth
+        return len(rivals) - len(told), -worth / (self.choice.price if priced else 1.0)
 
 
 def _needed(known: Known, after: _After, seconds: float, k: int, once: float) -> float | None:

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 class Choice:
     """sweep: of joint `lead`. companion: joint that moves slowly over `companion_range`, or None.
 
-    price: by which its time is multiplied when choices are compared: what leaves the range or speed of the logs, or
-    moves two joints, costs more.
+    price: by which its time is multiplied when choices are compared and not every bound is known: what leaves the
+    range or speed of the logs, or moves two joints, costs more.
     """
 
     lead: int
@@ -66,49 +66,51 @@ def choices(model: RobotModel, room: Room, sites: Sequence[Site], slow_change: b
 def _of(model: RobotModel, room: Room, lead: int, beside: Sequence[int], slow_change: bool) -> Iterator[Choice]:
     criteria = model.criteria.planning
     usual, top = float(room.seen_speed[lead]), float(room.top_speed[lead])
-    slowest = max(criteria.slow * float(model.at_rest.threshold[lead]), criteria.slow_share * usual)
+    slowest = slowest_of(model, room, lead)
     if not slowest < 0.5 * usual:
         return
     seen, wide = _span(room.seen_low[lead], room.seen_high[lead]), _span(room.low[lead], room.high[lead])
     wider = wide[1] > criteria.far * seen[1]
     faster = top > criteria.far * usual
-    alone: list[tuple[Sweep | None, float]] = []
-    for (offset, size), price in ((seen, 1.0), *(((wide, criteria.wider),) if wider else ())):
+    alone: list[Sweep | None] = []
+    for offset, size in (seen, *((wide,) if wider else ())):
         alone += [
-            (_speeds(criteria, offset, size, slowest, usual), price),
-            (_speeds(criteria, offset, size, slowest, 0.25 * usual), price),
-            (_sine(criteria, offset, size, usual), price),
-            (_small(criteria, offset, size, slowest), 1.05 * price),
+            _speeds(criteria, offset, size, slowest, usual),
+            _speeds(criteria, offset, size, slowest, 0.25 * usual),
+            _sine(criteria, offset, size, usual),
+            _small(criteria, offset, size, slowest),
         ]
         if faster:
-            alone += [
-                (_speeds(criteria, offset, size, slowest, top), criteria.faster * price),
-                (_sine(criteria, offset, size, top), criteria.faster * price),
-            ]
-    alone += [
-        (_speeds(criteria, wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual), criteria.wider)
-        for side in (-1.0, 1.0)
-    ]
+            alone += [_speeds(criteria, offset, size, slowest, top), _sine(criteria, offset, size, top)]
+    alone += [_speeds(criteria, wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual) for side in (-1.0, 1.0)]
     if slow_change:
         minutes = 300.0
-        alone += [
-            (_sine(criteria, *seen, usual, minutes), 1.0),
-            (_speeds(criteria, *seen, slowest, usual, minutes), 1.0),
-        ]
-    for sweep, price in alone:
+        alone += [_sine(criteria, *seen, usual, minutes), _speeds(criteria, *seen, slowest, usual, minutes)]
+    for sweep in alone:
         if sweep is not None:
-            yield Choice(lead, sweep, None, (0.0, 0.0), price)
+            yield Choice(lead, sweep, None, (0.0, 0.0), price_of(criteria, room, lead, sweep))
     for other in beside:
         span = (float(room.seen_low[other]), float(room.seen_high[other]))
-        pairs = [
-            (_speeds(criteria, *seen, slowest, usual), criteria.beside),
-            (_sine(criteria, *seen, usual), criteria.beside),
-        ]
+        pairs = [_speeds(criteria, *seen, slowest, usual), _sine(criteria, *seen, usual)]
         if other == beside[0] and (wider or faster):
-            pairs += [(_speeds(criteria, *wide, slowest, top), criteria.wider * criteria.faster * criteria.beside)]
-        for sweep, price in pairs:
+            pairs += [_speeds(criteria, *wide, slowest, top)]
+        for sweep in pairs:
             if sweep is not None and span[1] - span[0] > criteria.least_way:
-                yield Choice(lead, sweep, other, span, price)
+                yield Choice(lead, sweep, other, span, criteria.beside * price_of(criteria, room, lead, sweep))
+
+
+def price_of(criteria: Planning, room: Room, lead: int, sweep: Sweep) -> float:
+    """Of one joint's sweep, as of `Choice`."""
+    middle, half = _span(room.seen_low[lead], room.seen_high[lead])
+    wider = abs(sweep.offset - middle) + sweep.amplitude > criteria.far * half
+    faster = sweep.fastest > criteria.far * room.seen_speed[lead]
+    return (criteria.wider if wider else 1.0) * (criteria.faster if faster else 1.0)
+
+
+def slowest_of(model: RobotModel, room: Room, lead: int) -> float:
+    """[rad/s or m/s] below which no motion of a joint is asked for."""
+    criteria = model.criteria.planning
+    return max(criteria.slow * float(model.at_rest.threshold[lead]), criteria.slow_share * float(room.seen_speed[lead]))
 
 
 def _span(low: float, high: float) -> tuple[float, float]:

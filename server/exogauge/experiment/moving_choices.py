@@ -57,18 +57,18 @@ def moving_choices(reach: Reach, sweeps: Sequence[Choice], at_hz: float) -> Iter
     """sweeps: of single joints, one of each kind of which is tried together with what was drawn."""
     criteria = reach.planning
     price = criteria.beside * criteria.wider
-    for x in reach.drawn:
-        yield Moving(reach, x, None, price)
+    for paced, x in reach.drawn:
+        yield Moving(paced, x, None, price)
     kinds = dict[tuple[int, str], Choice]()
     for sweep in sweeps:
         if sweep.companion is None:
             kinds.setdefault((sweep.lead, sweep.sweep.kind), sweep)
+    beside = {paced.series: (paced, x) for paced, x in reversed(reach.drawn)}  # the first of each pace
     for swept in kinds.values():
-        for x in reach.drawn[:1]:
-            home = x.copy()
-            home[:, :-1], home[:, -1] = 0.0, reach.home
+        for paced, x in beside.values():
+            home = paced.still
             for share in (1.0, 0.5, 0.25):
-                made = Moving(reach, home + share * (x - home), swept, price)
+                made = Moving(paced, home + share * (x - home), swept, price)
                 if made.keeps(at_hz):
                     yield made
                     break

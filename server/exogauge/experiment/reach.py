@@ -55,16 +55,19 @@ class Reach(Envelope):
         return "balance" not in self.unknown
 
     @cached_property
-    def drawn(self) -> tuple[Array, ...]:
-        """(free, 2N-2) each: random motions within every bound."""
+    def drawn(self) -> tuple[tuple[Reach, Array], ...]:
+        """Random motions within every bound, (free, 2N-2) of the series of the reach beside it: calm ones, which move
+        steadily, and brisk ones, which load what they carry."""
         if not self.moves:
             return ()
-        criteria = self.planning
-        rng = np.random.default_rng(0)
-        try:
-            return tuple(random_motion(self, rng, criteria.of_top) for _ in range(criteria.drawn))
-        except NotIdentifiable:
-            return ()
+        criteria, rng, found = self.planning, np.random.default_rng(0), list[tuple[Reach, Array]]()
+        for hz in (criteria.calm_hz, USUAL.top_hz):
+            paced = replace(self, series=Series(criteria.shortest_s, round(hz * criteria.shortest_s)))
+            try:
+                found += [(paced, random_motion(paced, rng, criteria.of_top)) for _ in range(criteria.drawn)]
+            except NotIdentifiable:
+                return ()
+        return tuple(found)
 
     def keeps(self, q: Array, rate_hz: float, at_hz: float) -> bool:
         """Whether joints q (T, J), whose base goes where the left foot stands, are within every bound; looked at with
@@ -78,7 +81,8 @@ class Reach(Envelope):
             whole[:, :base] = base_on(robot, whole)
         path = CubicSpline(np.arange(len(q)) / rate_hz, whole)
         time = np.arange(int((len(q) - 1) * at_hz / rate_hz) + 1) / at_hz
-        return self.within((path(time), path(time, 1), path(time, 2)))
+        jerk = np.abs(np.diff(whole[:, base:], 3, axis=0)) * rate_hz**3
+        return bool((jerk <= robot.jerk).all()) and self.within((path(time), path(time, 1), path(time, 2)))
 
     @cached_property
     def _legs(self) -> NDArray[np.intp]:
@@ -117,7 +121,7 @@ def reach_of(moving: MotionRobot, robot: Robot, here: Room, asked: Loads, criter
 
     stated = robot.tree.velocity_limit < criteria.no_limit
     unseen = np.where(stated, criteria.unseen * criteria.of_top * robot.tree.velocity_limit, 0.0)
-    fast = np.maximum(np.maximum(here.seen_speed, unseen), 1e-3)
+    fast = np.maximum(np.maximum(here.top_speed, unseen), 1e-3)
     torque = np.where(moving.limits.torque < criteria.no_limit, moving.limits.torque, np.inf)
     limits = JointLimits(
         of_joints(here.low), of_joints(here.high), of_joints(fast),

@@ -207,20 +207,25 @@ class EncoderSite:
         signals = EncoderSignals(time, position)
         own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
 
+        phi, slopes = model.bodies_in(prepared.log.recording), dict[float, Array]()
+
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
-            phi, errors = model.bodies_in(prepared.log.recording), effect.errors(signals, shape)
-            names = [each.name for each in effect.coefficients]
-            rows = [
-                self._moved(model, phi, prepared, error, found.get(name, 0.0))[:, own]
-                for name, error in zip(names, errors.T, strict=True)
-            ]
+            names, rows = [each.name for each in effect.coefficients], []
+            for name, error in zip(names, effect.errors(signals, shape).T, strict=True):
+                size = found.get(name, 0.0)
+                if abs(size) > STEP:
+                    rows.append(self._moved(model, phi, prepared, 0.0, size, error)[:, own])
+                else:
+                    if not slopes:  # of the angle itself: every error goes along it
+                        slopes[STEP] = self._moved(model, phi, prepared, -STEP, STEP, np.ones_like(error))[:, own]
+                    rows.append(slopes[STEP] * error[:, None])
             return np.stack(rows, axis=1)
 
         return Seen(signals, columns)
 
-    def _moved(self, model: RobotModel, phi: Array, prepared: Prepared, error: Array, found: float) -> Array:
-        """(T, told rows) what an error of the angle takes off each per unit. found: as large as it is held to be:
-        it is whole there, and no slope."""
+    def _moved(self, model: RobotModel, phi: Array, prepared: Prepared, low: float, high: float, error: Array) -> Array:
+        """(T, told rows) what an error of the angle takes off each per unit, from `low` to `high` times it: as large
+        as it is held to be it is whole there, and no slope."""
         samples, equations = prepared.motion.samples, model.equations
         at = thinned(samples, prepared.log.rate_hz, model.cutoff_hz)
         m, way = prepared.motion.rows(at), np.zeros((len(at), len(model.robot.joints)))
@@ -229,7 +234,6 @@ class EncoderSite:
         def rows(step: float) -> Array:
             return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
 
-        low, high = (0.0, found) if abs(found) > STEP else (-STEP, STEP)
         moved = (rows(low) - rows(high)) / (high - low)
         return moved if len(at) == samples else np.asarray(CubicSpline(at, moved)(np.arange(samples)))
 

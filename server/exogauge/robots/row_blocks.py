@@ -97,10 +97,13 @@ def tree_arrays(of: Kinematics) -> TreeArrays:
 
 def signals_of(motion: Motion) -> tuple[Array, Array]:
     """(5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that of bodies without one; (9, T) acc, gyro, gyro_dot."""
-    rest = np.zeros((1, motion.samples))
-    q, dq, ddq = (np.concatenate([x.T, rest]) for x in (motion.q, motion.dq, motion.ddq))
     base = np.asfortranarray(np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T]))  # as it is compiled for
-    return np.stack([q, np.cos(q), np.sin(q), dq, ddq]), base
+    signals = np.zeros((5, motion.q.shape[1] + 1, motion.samples))
+    for place, x in ((0, motion.q), (3, motion.dq), (4, motion.ddq)):
+        signals[place, :-1] = x.T
+    np.cos(signals[0], out=signals[1])
+    np.sin(signals[0], out=signals[2])
+    return signals, base
 
 
 def ready_blocks(

@@ -6,6 +6,12 @@ identification takes shapes as given. Where a shape may as well be another one b
 beside it move along: with A their columns, c the change of the effect's torque with its shapes, W the weights and H
 the normal matrix with the prior, dx/dshape = -H⁻¹ Aᵀ W c, and the covariance of x gains (dx/dshape) C (dx/dshape)ᵀ,
 C that of the shapes with all else free.
+
+What is left and has no name makes all that is fitted beside it doubtful, too: what is missing there is fitted by the
+parameters as far as they can, and only the rest of it is seen. Of what they took up nothing is known but that it is of
+the rest's kind. So it counts as large as the rest, g² N of N rows, and as likely along each of the p directions that
+the row's own parameters span: with Q their orthonormal basis the covariance of x gains
+H⁻¹ Aᵀ W Q (g² N / p) Qᵀ W A H⁻¹.
 """
 
 from __future__ import annotations
@@ -16,15 +22,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.findings.result import Finding
+from exogauge.findings.result import Excess, Finding
 from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
+from exogauge.identification.type_b import ROBOT
+from exogauge.robots.rows import RowType
 from exogauge.search.doubt import shape_slopes
+from exogauge.search.locate import all_channels, pooled
 from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
 
 Array = NDArray[np.float64]
+
+UNEXPLAINED = "unexplained"  # beside the kinds of declared inputs
 
 
 def with_doubt_of_shapes(
@@ -38,6 +49,41 @@ def with_doubt_of_shapes(
     rows = collect_rows(model, recordings, list(dict.fromkeys(each.site for each in free)))
     for each in free:
         more += _of_shapes(model, each, [one for one in rows[each.site] if not one.held_out])
+    return _doubted(found, more)
+
+
+def with_doubt_of_what_is_left(found: Identification, left: Sequence[Excess]) -> Identification:
+    """left: channels that stand above their noise for a reason that has no name. How far they do where they were fitted
+    is what counts: there parameters took it up."""
+    model = found.model
+    kinds = {channel: kind for kind, channel in all_channels(model.equations).items()}
+    more = np.zeros_like(model.covariance)
+    for each in left:
+        fits = [fit for fit in found.validation if not fit.held_out and fit.channel == each.channel]
+        rmse, floor = pooled(fits)
+        if rmse > floor:
+            more += _of_what_is_left(model, kinds[each.channel], rmse**2 - floor**2)
+    return _doubted(found, more, UNEXPLAINED) if more.any() else found
+
+
+def _of_what_is_left(model: RobotModel, kind: int, square: float) -> Array:
+    """(P, P) that a row's unexplained mean square adds to the covariance."""
+    statistics, equations, weight = model.solution.statistics, model.equations, model.solution.weights[kind]
+    row, columns, gram = equations.layout.rows[kind], equations.columns()[kind], statistics.gram(kind)
+    of_axis = set(equations.effect_columns(row.place)) if row.type == RowType.AXIS else set(columns)
+    own = np.flatnonzero([column in of_axis for column in columns])
+    spanned = gram[np.ix_(own, own)]
+    B = np.zeros((equations.size, len(own)))
+    B[columns] = weight * gram[:, own]
+    x = model.solution.unbounded.divided(B)
+    directions = int(np.linalg.matrix_rank(spanned, hermitian=True))
+    scale = square * float(statistics.count[kind]) / max(directions, 1)
+    return np.asarray(scale * (x @ np.linalg.pinv(spanned, hermitian=True) @ x.T))
+
+
+def _doubted(found: Identification, more: Array, source: str = "") -> Identification:
+    """more: (P, P) added to the covariance of what is fitted. source: by which it is told among a parameter's parts."""
+    model = found.model
     lift = model.solution.prior.lift_covariance
     before, after = np.diag(lift(model.covariance)), np.diag(lift(model.covariance + more))
     gained = np.maximum(after - before, 0.0)
@@ -46,7 +92,9 @@ def with_doubt_of_shapes(
         one = parameters[i]
         std = float(np.sqrt(one.std**2 + grown))
         decided = one.identifiable and std <= model.criteria.identifying.decided * one.prior_std
-        parameters[i] = replace(one, std=std, identifiable=decided)
+        parts = {**(one.parts or {ROBOT: one.std}), source: float(np.sqrt(grown))} if source else one.parts
+        parts = {} if one.combination else parts
+        parameters[i] = replace(one, std=std, identifiable=decided, parts=parts)
     return replace(
         found,
         parameters=tuple(parameters),

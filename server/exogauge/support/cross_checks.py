@@ -15,7 +15,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from exogauge.criteria.supporting import Supporting
 from exogauge.devices.device import Band
@@ -163,7 +163,7 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
         own = [k for k, each in enumerate(found) if each.device == device and each.approach != "prior"]
         between = {k: _against_others(found[k], [found[n] for n in own if n != k]) for k in own}
         count = sum(len(found[k].cross_checks) for k in own) + sum(len(each) for each in between.values()) // 2
-        limit = float(norm.isf(0.5 * criteria.false_alarms / max(count, 1)))
+        limit = -float(ndtri(0.5 * criteria.false_alarms / max(count, 1)))
         for k in own:
             inside = [each for each in found[k].cross_checks if each.check != "approaches"]
             checks = tuple(replace(each, limit=limit) for each in (*inside, *between[k]))

@@ -22,12 +22,15 @@ from exogauge.synthetic.random_streams import stream
 
 Array = NDArray[np.float64]
 
+TWICE = (("", "identification"), ("_again", "validation"))  # name, role
+
 
 def play(
     folder: Path, seed: int, number: int, tables: Sequence[tuple[Array, Array, int]], robots: str = "both",
     effects: tuple[str, ...] = (),
 ) -> None:  # fmt: skip
-    """Adds a log of identification for each table to the case in `folder`, which the other arguments made.
+    """Adds two logs for each table to the case in `folder`, which the other arguments made: one of identification, and
+    one that is held out, as a finding asks for them.
 
     tables: (T,) [s] and (T, J) [rad] of one repeat in the order of the robot's joints, and how often it is repeated.
     Raises BadInput for a robot that wears bands: what they do hangs on all motions of its case.
@@ -36,16 +39,16 @@ def play(
     if plan.robot.wires:
         raise BadInput(Fault("no motion is played by a robot that wears bands", "no_play", value=plan.robot.name))
     maker, here, hidden, small = drawn(plan, seed)
-    names = [f"planned_{k + 1}" for k in range(len(tables))]
-    logs = (*plan.logs, *(LogPlan(name, "identification", -1) for name in names))
-    motion = _beside(here.motion, [_at_rate(*each) for each in tables])
+    played = [LogPlan(f"planned_{k + 1}{again}", role, -1) for k in range(len(tables)) for again, role in TWICE]
+    logs = (*plan.logs, *played)
+    motion = _beside(here.motion, [_at_rate(*each) for each in tables for _ in TWICE])
     runs = axis_runs(stream(seed, f"run {number}"), here.robot, motion, None)
     k_T_std = K_T_STD[plan.k_T] if plan.actuation == "current" else 0.0
     after = scene(plan.robot, maker.links, here.robot, motion, logs, runs, None, sensors.current_std(), k_T_std)
     write_logs(folder, plan, maker, after, [*hidden, *small], seed, first=len(plan.logs))
     file = folder / "study.yaml"
     study = yaml.safe_load(file.read_text(encoding="utf-8"))
-    study["logs"] += [{"file": f"logs/{name}.parquet", "role": "identification"} for name in names]
+    study["logs"] += [{"file": f"logs/{log.name}.parquet", "role": log.role} for log in played]
     file.write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
 
 
