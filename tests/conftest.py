@@ -32,7 +32,9 @@ LOCAL = [
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL."""
+    """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL. What stands beside this file, whole samples
+    above all, begins first: of the longest none is left for the end, when the other processes have nothing to do."""
+    items.sort(key=lambda item: item.path.parent != Path(__file__).parent)
     for item in items:
         values = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(each, str) and each == "postgresql" for each in values):

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.discrepancy.test_feet import Wrong, on_two_plates, robot  # noqa: F401
-from tests.discrepancy.test_sensor_effects import SEEDS
+from tests.discrepancy.test_sensor_effects import SEEDS, searched
 
 from exogauge.findings.result import WithinDeclared
+from exogauge.findings.verdict import Why
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.progress import unwatched
@@ -61,3 +62,22 @@ def test_only_what_declared_inputs_can_do_is_within_them(
     assert ("base.fx" in {each.channel for each in found.channels}) == within
     if within:
         assert found.sources == ("ft_zero",)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("declared", "newtons", "named"),
+    [(DECLARED, 3.0, []), (Declared(), 3.0, ["ft_zero"]), (DECLARED, 20.0, ["ft_zero"])],
+)
+def test_what_declared_uncertainties_explain_gets_no_name(
+    robot: Robot,  # noqa: F811
+    declared: Declared,
+    newtons: float,
+    named: list[str],
+) -> None:
+    logs = [on_two_plates(seed, {"left": pushed(newtons)}) for seed in SEEDS]
+    found = searched(replace(robot, declared=declared), logs).discrepancy
+    assert [each.effect for each in found.findings] == named
+    assert found.verdict == ("effects" if named else "undecided")
+    if not named:
+        assert any(each.effect == "ft_zero" and each.objection.why is Why.DECLARED for each in found.rejected)

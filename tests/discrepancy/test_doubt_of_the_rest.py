@@ -73,7 +73,8 @@ def test_the_doubt_is_that_of_the_columns_as_they_stand_in_the_rows(drawn):
     U, sizes, _ = np.linalg.svd(own / np.maximum(np.linalg.norm(own, axis=0), 1e-12), full_matrices=False)
     U = U[:, sizes > 1e-6 * sizes[0]]
     moved = model.solution.unbounded.divided(weight * A.T @ U)
-    square = left.rmse**2 - left.noise_floor**2
+    fits = [fit for fit in one.validation if not fit.held_out and fit.channel == left.channel]
+    square = np.mean([fit.rmse_moving**2 for fit in fits]) - np.mean([fit.noise_floor**2 for fit in fits])
     np.testing.assert_allclose(grown, moved @ moved.T * square * len(A) / U.shape[1], rtol=1e-6, atol=1e-12)
 
 
@@ -85,3 +86,12 @@ def test_other_joints_are_not_in_doubt(drawn):
     assert after["tau_c[j2]"] > 2.0 * before["tau_c[j2]"]
     assert after["tau_c[j3]"] == pytest.approx(before["tau_c[j3]"], rel=0.2)
     assert with_doubt_of_what_is_left(one, []) is one
+
+
+def test_a_parameters_budget_says_how_much_of_its_doubt_it_is(drawn):
+    one, left, _ = drawn[0]
+    found = {each.name: each for each in with_doubt_of_what_is_left(one, [left]).parameters}
+    was, told = {each.name: each for each in one.parameters}, found["tau_c[j2]"]
+    assert told.parts["robot"] == was["tau_c[j2]"].std
+    assert told.std == pytest.approx(np.hypot(told.parts["robot"], told.parts["unexplained"]))
+    assert told.parts["unexplained"] > 10.0 * found["tau_c[j3]"].parts["unexplained"]

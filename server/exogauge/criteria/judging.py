@@ -150,8 +150,8 @@ class Judging:
     hardly: float = criterion(
         0.25,
         "1",
-        "of the same excess of one channel: what acts on many channels and explains less of each is fitted to what one "
-        "of them lacks for another reason",
+        "of the same excess of one channel: what explains less of each on which it acts, and leaves one above its "
+        "noise, is fitted to what is lacking there for another reason",
         judgement("docs/decisions/0022-feet.md"),
     )
 

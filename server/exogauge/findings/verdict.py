@@ -146,6 +146,7 @@ class Why(StrEnum):
     AT_FLOOR = "at_floor"
     NOISE_ALONE = "noise_alone"  # share of the fall that is noise which the effect smooths
     ONCE = "once"
+    DECLARED = "declared"  # of: channels
     BETTERED = "bettered"  # of: effects with which another one explains more
     PARTIAL = "partial"  # share of the excess that it explains, and noise floors that are left; of: channel
     NOT_NEEDED = "not_needed"  # of: effects with which it is not needed

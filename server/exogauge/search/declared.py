@@ -69,6 +69,12 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
     return WithinDeclared(tuple(each for each in excesses if each in (*coloured, *others.channels)), sources)
 
 
+def within_inputs(model: RobotModel, recordings: Sequence[Recording], excesses: Sequence[Excess]) -> WithinDeclared:
+    """The same of declared inputs alone: noise of whatever colour is not foretold on logs that were not fitted."""
+    held_out = [each for each in recordings if each.held_out]
+    return _within_inputs(model, held_out, excesses, {}) if held_out else WithinDeclared()
+
+
 def _above(model: RobotModel, excess: Excess, rmse: float, hidden: Mapping[str, float]) -> bool:
     floor = np.hypot(excess.noise_floor, hidden.get(excess.channel, 0.0))
     return bool(rmse >= model.criteria.judging.above * floor)

@@ -26,13 +26,16 @@ from exogauge.findings.result import Excess, Finding
 from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
+from exogauge.identification.type_b import ROBOT
 from exogauge.robots.rows import RowType
 from exogauge.search.doubt import shape_slopes
-from exogauge.search.locate import all_channels
+from exogauge.search.locate import all_channels, pooled
 from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
 
 Array = NDArray[np.float64]
+
+UNEXPLAINED = "unexplained"  # beside the kinds of declared inputs
 
 
 def with_doubt_of_shapes(
@@ -50,13 +53,17 @@ def with_doubt_of_shapes(
 
 
 def with_doubt_of_what_is_left(found: Identification, left: Sequence[Excess]) -> Identification:
-    """left: channels that stand above their noise for a reason that has no name."""
+    """left: channels that stand above their noise for a reason that has no name. How far they do where they were fitted
+    is what counts: there parameters took it up."""
     model = found.model
     kinds = {channel: kind for kind, channel in all_channels(model.equations).items()}
     more = np.zeros_like(model.covariance)
     for each in left:
-        more += _of_what_is_left(model, kinds[each.channel], each.rmse**2 - each.noise_floor**2)
-    return _doubted(found, more) if left else found
+        fits = [fit for fit in found.validation if not fit.held_out and fit.channel == each.channel]
+        rmse, floor = pooled(fits)
+        if rmse > floor:
+            more += _of_what_is_left(model, kinds[each.channel], rmse**2 - floor**2)
+    return _doubted(found, more, UNEXPLAINED) if more.any() else found
 
 
 def _of_what_is_left(model: RobotModel, kind: int, square: float) -> Array:
@@ -74,8 +81,8 @@ def _of_what_is_left(model: RobotModel, kind: int, square: float) -> Array:
     return np.asarray(scale * (x @ np.linalg.pinv(spanned, hermitian=True) @ x.T))
 
 
-def _doubted(found: Identification, more: Array) -> Identification:
-    """more: (P, P) added to the covariance of what is fitted."""
+def _doubted(found: Identification, more: Array, source: str = "") -> Identification:
+    """more: (P, P) added to the covariance of what is fitted. source: by which it is told among a parameter's parts."""
     model = found.model
     lift = model.solution.prior.lift_covariance
     before, after = np.diag(lift(model.covariance)), np.diag(lift(model.covariance + more))
@@ -85,7 +92,9 @@ def _doubted(found: Identification, more: Array) -> Identification:
         one = parameters[i]
         std = float(np.sqrt(one.std**2 + grown))
         decided = one.identifiable and std <= model.criteria.identifying.decided * one.prior_std
-        parameters[i] = replace(one, std=std, identifiable=decided)
+        parts = {**(one.parts or {ROBOT: one.std}), source: float(np.sqrt(grown))} if source else one.parts
+        parts = {} if one.combination else parts
+        parameters[i] = replace(one, std=std, identifiable=decided, parts=parts)
     return replace(
         found,
         parameters=tuple(parameters),

@@ -1,48 +1,68 @@
-"""Names that leave most of what is there: the catalogue's nearest shape of something that it does not hold."""
+"""Names that leave most of what is there: the catalogue's nearest shape of something that it does not hold.
+
+And names that it takes none of: what declared uncertainties of the measurement leave there as well.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.result import Identification
+from exogauge.identification.sites import BaseSite, SensorSite
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
 from exogauge.search.search import taken_out
 from exogauge.search.state import Search
 
 
-def without_partial_names(search: Search, found: Identification, findings: Sequence[Finding]) -> Search | None:
+def without_partial_names(
+    search: Search, found: Identification, findings: Sequence[Finding], declared: Mapping[str, bool] | None = None
+) -> Search | None:
     """The search without findings that explain the lesser part of what was there before anything was named, at places
     that still stand far above their noise with all of it; None where there are none. found: with all of that, bends
-    too. findings: of all steps.
+    too. findings: of all steps. declared: channels that stood above their noise before anything was named, and whether
+    declared uncertainties explain all of that; what a sensor or the base has wrong on no others goes, too. A joint's
+    effect stays: what is declared may be another one in each log, and the effect foretold them all alike.
 
-    What acts on many channels at once moves a little of each, also of one that lacks something else. Where it explains
-    hardly anything of any of them, one that stands above its noise is enough.
+    What acts on many channels at once moves a little of each, also of one that lacks something else, and most shapes of
+    a joint's are a little like each other. Where one explains hardly anything of any channel, one that stands above its
+    noise is enough.
 
     Two effects at one place, each with its share, together reach the floor: then both stay. What is told of one log
     alone is judged there.
     """
-    poor = [number for number in range(len(findings)) if _objection(search, found, findings[number], number)]
-    if not poor:
-        return None
-    for number in reversed(poor):
-        why = _objection(search, found, findings[number], number)
-        assert why is not None
+    poor = list[tuple[int, Objection]]()
+    for number, finding in enumerate(findings):
+        if finding.held_out.log:
+            continue
+        channels = _channels(search, number)
+        of_measurement = isinstance(search.steps[number].added.site, SensorSite | BaseSite)
+        there = [each for each in channels if declared and each in declared]
+        if declared and of_measurement and there and all(declared[each] for each in there):
+            poor.append((number, Objection(Why.DECLARED, of=tuple(there))))
+        elif why := _objection(search, found, finding, number, channels):
+            poor.append((number, why))
+    for number, why in reversed(poor):
         search = taken_out(search, number, why)
-    return search
+    return search if poor else None
 
 
-def _objection(search: Search, found: Identification, finding: Finding, number: int) -> Objection | None:
-    criteria = search.problem.settings.criteria.judging
-    if finding.held_out.log:
-        return None
+def _channels(search: Search, number: int) -> list[str]:
+    """In whose rows it acts."""
     equations = search.problem.base.model.equations
-    channels = [channel_of(equations, kind) for kind in search.steps[number].added.site.kinds(equations)]
-    share, most = _share(search, finding, number, channels), _most(search, number, channels)
+    return [channel_of(equations, kind) for kind in search.steps[number].added.site.kinds(equations)]
+
+
+def _objection(
+    search: Search, found: Identification, finding: Finding, number: int, channels: Sequence[str]
+) -> Objection | None:
+    criteria = search.problem.settings.criteria.judging
+    share = _share(search, finding, number, channels)
+    most = _most(search, number, channels) if len(channels) > 1 else share
     if share >= criteria.mostly and most >= criteria.hardly:
         return None
     bar = criteria.far_above if most >= criteria.hardly else criteria.above

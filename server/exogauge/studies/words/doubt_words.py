@@ -13,6 +13,7 @@ SOURCES: dict[str, tuple[str, str]] = {
         "Move slowly through the posture, once in each direction, instead of holding it.",
     ),
     "null_test": ("what the model finds without the device", "See which effect the robot's model lacks."),
+    "unexplained": ("what is left there without a name", "See which effect the robot's model lacks."),
     "ft_gain": ("gain of each force/torque sensor", "Load each sensor with a known weight, and state it as ft_gain."),
     "ft_gain_common": ("gain that all force/torque sensors share", "Weigh the robot, and state it as ft_gain_common."),
     "ft_zero": ("zeros of the force/torque sensors", "Take zeros with the robot hanging, before each log."),
