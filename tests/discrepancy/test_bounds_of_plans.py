@@ -104,9 +104,11 @@ def test_drawn_motions_and_mixtures_keep_every_bound_as_mujoco_sees_them(reach: 
     names = [reach.stance.robot.joints[k] for k in reach.order]
     sweep = Choice(names.index("torso_pitch"), Sweep("sine", 0.1, 0.1, 0.0, 0.2, 20.0, 4.0), None, (0.0, 0.0), 1.0)
     found = list(moving_choices(reach, [sweep], 20.0))
-    (mixed,) = (each for each in found if each.swept is not None)
+    mixed = next(each for each in found if each.swept is not None)
+    alone = {each.reach.series: each for each in found if each.swept is None}.values()
+    assert len(alone) == 2  # calm and brisk
     robot: MotionRobot = reach.stance.robot
-    for made in (found[0], mixed):
+    for made in (*alone, mixed):
         assert isinstance(made, Moving)
         q, _, _ = made.whole(50.0)
         moved = np.ptp(q, axis=0)

@@ -71,6 +71,12 @@ class Planning:
         "that the best motion of each sort is changed a little at most, to tell more a second",
         measured(f"{RULES}: 200 gave 1.5 times the evidence of 40"),
     )
+    varied_standing: int = criterion(
+        40,
+        "times",
+        "the same of a robot that stands, one motion of which takes some twenty times as long",
+        judgement(RULES),
+    )
     change: float = criterion(0.3, "1", "of a motion's sizes, by which it is changed at first", judgement(RULES))
     least_change: float = criterion(
         0.01, "1", "of them, below which nothing more is looked for: a joint does not follow closer", judgement(RULES)

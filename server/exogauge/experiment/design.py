@@ -72,7 +72,7 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
         pairs = {k: known.pair(k, best, repeats) for k in told}
         motion = _motion(doubt, here, best, repeats, [pairs[k] for k in sorted(told)], reach)
         if reach is not None and not reach.keeps(motion.q, criteria.handed_hz, criteria.checked_hz):
-            tried.remove(best)
+            tried = [each for each in tried if each is not best]
             continue
         apart |= pairs
         motions.append(motion)
@@ -132,7 +132,8 @@ class Weighing:
             if any(each.repeats[k] is not None for k in rivals):
                 sorts.setdefault(each.sort, []).append(each)
         criteria = self.model.criteria.planning
-        return [climbed(max(some, key=worth), changed, worth, criteria) for some in sorts.values()]
+        times = criteria.varied_standing if self.model.robot.floating else criteria.varied
+        return [climbed(max(some, key=worth), changed, worth, criteria, times) for some in sorts.values()]
 
     def _tried(self, choice: Choice | Moving) -> Tried | None:
         rows = new_rows(self.known.doubt, self.model, self.here, choice, self.known.kept)

@@ -22,13 +22,13 @@ Weighed = TypeVar("Weighed")
 
 def climbed(
     begin: Weighed, changed: Callable[[Weighed, np.random.Generator, float], Weighed | None],
-    worth: Callable[[Weighed], tuple[int, float]], criteria: Planning,
+    worth: Callable[[Weighed], tuple[int, float]], criteria: Planning, times: int,
 ) -> Weighed:  # fmt: skip
-    """The best that is met when what is best so far is changed, `Planning.varied` times at most, by more after each
+    """The best that is met when what is best so far is changed, `times` at most, by more after each
     success and by less after each failure (Rechenberg, Evolutionsstrategie, 1973: one in five), until that is little.
     """
     rng, size, best, most = np.random.default_rng(0), criteria.change, begin, worth(begin)
-    for _ in range(criteria.varied):
+    for _ in range(times):
         made = changed(best, rng, size)
         if made is not None and worth(made) > most:
             best, most, size = made, worth(made), size * np.exp(0.8)
