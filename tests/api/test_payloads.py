@@ -229,7 +229,7 @@ def identified(client: TestClient, stored: dict[str, Any], tmp_path: Path) -> st
 def test_results_and_exports_are_those_of_the_latest_job(client: TestClient, identified: str) -> None:
     results = client.get(f"{V1}/payloads/{identified}/results")
     mass = {each["name"]: each for each in results.json()["static"]["values"]}["m"]
-    assert abs(mass["value"] - MASS) < 4 * mass["std"] < 0.1
+    assert abs(mass["value"] - MASS) < 4 * mass["std"] < 0.2
     assert results.headers["etag"]
     ur = client.get(f"{V1}/payloads/{identified}/exports/ur")
     assert ur.status_code == 200, ur.text

@@ -29,7 +29,7 @@ from exogauge.payload.dynamics import (
     static_prior,
 )
 from exogauge.payload.sensor_motion import SensorMotion
-from exogauge.payload.statics import Holds, static_stage
+from exogauge.payload.statics import Holds, static_stage, upright
 from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
@@ -43,6 +43,25 @@ a, ALPHA, OMEGA, G = (
 )
 PHI = np.array([40, 0.2, -0.1, 0.9, 3.3, 0.05, -0.04, 0.9, 0.02, 4.1])
 WRENCH = [40.284, 80.332, 511.999, -1.8152, -1.66, 1.2623]
+
+
+def test_numbers_err_together_with_the_gravity_that_rows_take_as_given_as_differences_say() -> None:
+    static, turn = case(0).static, np.diag([2e-5, 3e-5]) ** 2
+    prior, lean = static_prior(static), np.zeros((18, 2))
+    lean[16:] = turn
+    blind = replace(prior, lean=lean)
+    found = dynamic_stage(case(0).rows(static.gravity), blind, "ls", correlated=False)
+    slopes, step = [], 1e-5
+    for axis in upright(static.gravity)[:2]:
+        tipped = step * np.cross(axis, static.gravity)
+        ends = [
+            dynamic_stage(case(0).rows(static.gravity + way * tipped), blind, "ls", correlated=False).value
+            for way in (-1.0, 1.0)
+        ]
+        slopes.append((ends[1] - ends[0]) / (2.0 * step))
+    assert found.lean[16:] == pytest.approx(turn)
+    expected = np.column_stack(slopes) @ turn
+    assert found.lean[:16] == pytest.approx(expected, abs=0.02 * np.abs(expected).max(axis=0).min())
 
 
 def test_regressor_of_the_test_vector_and_of_pinocchio() -> None:

@@ -62,6 +62,12 @@ class Moving:
         "gravity may have turned: beyond, a zero taken before is worse than none",
         derived("|δm| g 2 sin(θ/2) > |δm| g"),
     )
+    zero_alarms: float = criterion(
+        0.001,
+        "of the samples",
+        "that alarm by chance, where it is asked whether a log has a zero of its own",
+        judgement(RULES),
+    )
     still_noises: float = criterion(
         20.0, "std", "between the ends of a joint's course: with less it stands still", judgement(RULES)
     )

@@ -81,6 +81,12 @@ class Standing:
     beside_imu_s: float = criterion(
         0.004, "s", "beside the best lag, from where the curvature of the cost is taken", judgement(RULES)
     )
+    ft_crosstalk: float = criterion(
+        0.01,
+        "1",
+        "std of what an axis reads of another one, where nobody states it: makers give 1 to 2 % at most",
+        judgement(RULES),
+    )
     repeated: float = criterion(
         20.0,
         "rows",

@@ -153,6 +153,16 @@ class SettingsEntry(_Part):
     false_alarms_per_hour: Positive = 1.0
 
 
+class SensorUncertainty(_Part):
+    """Standard deviations, as shares, of what no log shows; None: the defaults. ft_gain: of each axis for itself;
+    ft_gain_common: of all alike, as after one calibration; ft_crosstalk: of each axis in each other one, moments by
+    forces in the ratio of their noise."""
+
+    ft_gain: NotNegative | None = None
+    ft_gain_common: NotNegative | None = None
+    ft_crosstalk: NotNegative | None = None
+
+
 class GroundTruth(_Part):
     """Never fitted: for the comparison alone."""
 
@@ -216,7 +226,8 @@ class PlanEntry(_Part):
 
 
 class PayloadFile(_Part):
-    """payload.yaml. gravity: in the base frame, as if it stood level."""
+    """payload.yaml. gravity: in the base frame, as if it stood level. uncertainty `none`: of a simulated sensor, which
+    is exact."""
 
     version: Literal[1]
     name: Name
@@ -228,6 +239,7 @@ class PayloadFile(_Part):
     logs: Annotated[tuple[LogEntry, ...], BeforeValidator(_as_tuple), Field(max_length=100)] = ()
     settings: SettingsEntry = SettingsEntry()
     plan: PlanEntry | None = None
+    uncertainty: SensorUncertainty | Literal["none"] = SensorUncertainty()
     ground_truth: GroundTruth = GroundTruth()
 
     @field_validator("gravity")

@@ -90,6 +90,7 @@ class DynamicSolution:
     data made a number at least ten times as sure as it was. physical: (16,) the likeliest whose body can exist; cost:
     what that costs, in squared standard deviations; 0 where x is possible. residual: (T, 6) [N, N·m]. method: of
     `value`. excited: whether the motion would decide an entry of the inertia, were the residual but the stated noise.
+    lean: as that of `Prior`, of the estimate.
     """
 
     value: Array
@@ -103,6 +104,7 @@ class DynamicSolution:
     residual: Array
     method: Method
     excited: bool
+    lean: Array
 
     @property
     def std(self) -> Array:
@@ -166,7 +168,10 @@ def dynamic_stage(
     scores = _scores(rows, found, left, method)
     meat = _coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
     inverse = np.linalg.inv(H)
-    covariance = inverse @ (meat + of_prior(rows.across_tilting(), x, prior)) @ inverse
+    across = rows.across_tilting()
+    covariance, lean = inverse @ (meat + of_prior(across, x, prior)) @ inverse, prior.lean.copy()
+    turned = np.tensordot(x[:4], across, 1) @ prior.lean[16:]
+    lean[:16] = inverse @ (prior_information(prior) @ prior.lean[:16] - turned)
     before = np.sqrt(np.diag(prior.covariance))
     decided = np.sqrt(np.diag(covariance)) < criteria.decided * before
     residual = left * rows.std
@@ -174,7 +179,18 @@ def dynamic_stage(
     by_noise = np.sqrt(np.maximum(np.diag(inverse), 0.0)) < criteria.decided * before
     excited = bool(by_noise[4:10].any()) if method == "gtls" else bool(decided[4:10].any())
     return DynamicSolution(
-        x, covariance, found.mu, _mu_std(left, found.mu), decided, before, physical, cost, residual, method, excited
+        x,
+        covariance,
+        found.mu,
+        _mu_std(left, found.mu),
+        decided,
+        before,
+        physical,
+        cost,
+        residual,
+        method,
+        excited,
+        lean,
     )
 
 

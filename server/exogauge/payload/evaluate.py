@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.findings.verdict import Caveat
-from exogauge.payload.contact import Compensation
+from exogauge.payload.calibration import Calibration, Declared, calibrate, uncalibrated
+from exogauge.payload.contact import Compensation, false_alarm_limit
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
@@ -22,7 +23,7 @@ from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
 from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
 from exogauge.payload.missing.words import cause_of_residual
-from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
+from exogauge.payload.prepare import Moved, declared_of, holds_of, low_pass_of, moving, rows_of, std_of
 from exogauge.payload.remainder import Remainder, remainder
 from exogauge.payload.stages import (
     Excitation,
@@ -55,13 +56,31 @@ class Touch:
 @final
 @dataclass(frozen=True)
 class Stages:
-    """What both stages say, of wrenches as read or with what was named missing taken out of them."""
+    """What both stages say, of wrenches as read or with what was named missing taken out of them. compensation: in what
+    the sensor reads, so that what its calibration leaves in doubt is none there. exact: the same, were that exact."""
 
     postures: Postures | None
     excitation: Excitation | None
     gravity: Array
     compensation: Compensation
     warnings: tuple[str, ...]
+    calibration: Calibration | None = None
+    exact: Stages | None = None
+
+    @property
+    def body(self) -> Array:
+        """(10,) [m, m c, I]; without motion the inertia is 0."""
+        out = np.zeros(10)
+        if self.excitation is not None:
+            return self.excitation.chosen.value[:10]
+        if self.postures is not None:
+            out[:4] = self.postures.chosen.moments[0][:4]
+        return out
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """By which gains and crosstalk are worse than declared."""
+        return (1.0, 1.0) if self.calibration is None else self.calibration.scale
 
 
 @final
@@ -95,6 +114,14 @@ class _Logs:
     excitation: Sequence[Moved]
     test: Sequence[Moved]
     contact: Sequence[Moved]
+
+    def each(self, read: Callable[[Array], Array]) -> _Logs:
+        """read: of (T, 6) wrenches what is put in their place."""
+        moved = (
+            [replace(m, wrench=read(m.wrench)) for m in logs] for logs in (self.excitation, self.test, self.contact)
+        )
+        holds = self.holds and replace(self.holds, wrench=read(self.holds.wrench))
+        return _Logs(holds, self.acceleration, *moved)
 
     def without(self, wrenches: Sequence[Array]) -> _Logs:
         """wrenches: (T, 6) of what is taken out, of the postures first, if there are any."""
@@ -134,21 +161,38 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if excitation:
         progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
     missing = _missing(payload, stages, logs, sign, criteria)
-    clean = logs
-    if missing.in_the_model:
-        clean, rigid = logs.without(missing.courses), stages
-        if missing.of_body:
+    named = any(each.effect in ("gain", "crosstalk") for each in missing.found)
+    clean, sensor = logs, declared_of(payload.file, criteria, contradicted=named)
+    blamed = missing.of_sensor or missing.decision.verdict == "unexplained"
+    as_sensor = None
+    if blamed and not sensor.exact:
+        progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
+        as_sensor = _of_sensor(payload, logs, stages, sensor, sign, missing, criteria)
+    if as_sensor is not None:
+        (stages, clean, missing), rigid = as_sensor, stages
+    else:
+        doubt, scale = missing.late_doubt, None
+        if missing.in_the_model:
+            rigid, _ = _calibrated(payload, logs, stages, sensor, sign, criteria, missing.late_doubt, take=False)
+            clean, doubt, scale = logs.without(missing.courses), missing.doubt, rigid.scale
+        if missing.in_the_model and missing.of_body:
             progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
             again = _still(payload, clean.holds, clean.acceleration, criteria)
-            stages = _stages(payload, clean, sign, *again, criteria, missing.doubt)
-    elif missing.late is not None:
-        stages = _stages(payload, logs, sign, postures, said, criteria, missing.late_doubt)
+            stages = _stages(payload, clean, sign, *again, criteria, doubt)
+        elif missing.late is not None:
+            stages = _stages(payload, logs, sign, postures, said, criteria, doubt)
+        holds_good = missing.in_the_model or missing.decision.verdict in ("none", "undecided")
+        stages, clean = _calibrated(
+            payload, clean, stages, sensor, sign, criteria, doubt, take=holds_good, scale=scale
+        )  # fmt: skip
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
-    touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
+    moving_zero = any(each.effect.startswith("zero") for each in (*missing.found, *missing.suspected))
+    contact, of_contact = _zeroed(payload, stages.compensation, clean.contact, moving_zero, criteria)
+    touches, thresholds = _touches(payload, stages.compensation, contact, sign, criteria)
     touched = postures.touched if postures else ()
-    warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched,
-                *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
+    warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched, *said,
+                *of_contact, *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
     if test:
         progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
     level = _level(payload, (rigid or stages).postures, logs.excitation, criteria)
@@ -220,6 +264,61 @@ def _stages(
     return Stages(postures, excitation, gravity, compensation, tuple(warnings))
 
 
+def _calibrated(
+    payload: Payload, logs: _Logs, stages: Stages, sensor: Declared, sign: int, criteria: Criteria, doubt: Array, *,
+    take: bool, scale: tuple[float, float] | None = None,
+) -> tuple[Stages, _Logs]:  # fmt: skip
+    """With the doubt that the sensor's calibration adds; what is likeliest of it taken out of all logs where `take`.
+    doubt: beside that. scale: by which the sensor is worse than declared, where that is known by now."""
+    if sensor.exact:
+        return replace(stages, calibration=uncalibrated(sensor), exact=stages), logs
+    still, moving = list[Stretch](), list[Stretch]()
+    if stages.postures is not None:
+        still = [still_stretch(stages.postures.holds, stages.gravity, sign, criteria.payload)]
+    if stages.excitation is not None:
+        moving = [
+            each.without(stages.excitation.left_out)
+            for each in _stretches(payload, "excitation", logs.excitation, stages, sign, criteria)
+        ]
+    inclined = stages.postures is not None and stages.postures.chosen.inclined
+    frame = Frame(stages.gravity, sign, stages.body)
+    found = calibrate(sensor, [*still, *moving], frame, inclined, take=take, scale=scale)
+    if found.taken.any():
+        logs = logs.each(found.corrected)
+        again = _still(payload, logs.holds, logs.acceleration, criteria)
+        stages = _stages(payload, logs, sign, *again, criteria, doubt)
+    postures, excitation, body = stages.postures, stages.excitation, stages.body
+    if postures is not None:
+        postures = replace(postures, chosen=postures.chosen.doubted(found.doubt(body, found.still)))
+    if excitation is not None:
+        more = found.doubt(body, (*found.still, *found.moving))[:16, :16]
+        chosen = excitation.chosen.doubted(more, criteria.payload_dynamic)
+        mass, std = excitation.mass_alone
+        alone = (mass, float(np.hypot(std, np.sqrt(more[0, 0]))))
+        excitation = replace(excitation, chosen=chosen, mass_alone=alone)
+    return replace(stages, postures=postures, excitation=excitation, calibration=found, exact=stages), logs
+
+
+def _of_sensor(
+    payload: Payload, logs: _Logs, stages: Stages, sensor: Declared, sign: int, missing: Missing, criteria: Criteria
+) -> tuple[Stages, _Logs, Missing] | None:
+    """With gains and crosstalk of all axes at once in place of what was named, where they leave nothing above the
+    noise; None where they do not."""
+    found, clean = _calibrated(payload, logs, stages, sensor, sign, criteria, missing.late_doubt, take=True)
+    assert found.calibration is not None
+    assert found.exact is not None
+    left = dict[str, Array]()
+    roles: tuple[Role, Role] = ("excitation", "test")
+    for role, moved in zip(roles, (clean.excitation, clean.test), strict=True):
+        for each in _stretches(payload, role, moved, found.exact, sign, criteria):
+            external = found.compensation.external(each.motion, each.wrench)
+            left[each.name] = np.sqrt(np.mean((external / each.floor)[each.use] ** 2, axis=0))
+    above = any(bool(np.any(ratios > criteria.judging.above)) for ratios in left.values())
+    if above or found.calibration.evidence < criteria.payload.worth:
+        return None
+    return found, clean, missing.with_sensor(found.calibration, left, criteria)
+
+
 def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Criteria) -> list[str]:
     """What the motion's residual says, and where something touched."""
     excitation, out = stages.excitation, list[str]()
@@ -245,22 +344,15 @@ def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cr
 def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria: Criteria) -> Missing:
     """What was left out as a touch is looked at too: it may be what is missing. Undecided where the noise is not known:
     then nothing says how much may be left."""
-    postures, excitation, std = stages.postures, stages.excitation, std_of(payload)
+    postures, excitation = stages.postures, stages.excitation
     if excitation is None:
         return unjudged(Caveat("no_motion"))
     if not excitation.noise_known:
         return unjudged(Caveat("noise_unknown"))
     body, gravity = excitation.chosen.value[:10], stages.gravity
 
-    at_rest = None if postures is None else postures.holds.noise
-
     def stretches(role: Role, moved: Sequence[Moved]) -> list[Stretch]:
-        return [
-            moving_stretch(
-                recording.name, each.motion, each.wrench, gravity, sign, body, std, criteria.payload, at_rest
-            )
-            for recording, each in zip(payload.of(role), moved, strict=True)
-        ]
+        return _stretches(payload, role, moved, stages, sign, criteria)
 
     fitted, held_out = stretches("excitation", logs.excitation), stretches("test", logs.test)
     others = stretches("contact", logs.contact)
@@ -272,6 +364,23 @@ def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria:
         return whole
     untouched = [each.without(excitation.left_out) for each in fitted]
     return find_missing([*still, *untouched], held_out, others, frame, inclined, criteria)
+
+
+def _stretches(
+    payload: Payload, role: Role, moved: Sequence[Moved], stages: Stages, sign: int, criteria: Criteria
+) -> list[Stretch]:
+    assert stages.excitation is not None
+    body, at_rest = (
+        stages.excitation.chosen.value[:10],
+        None if stages.postures is None else stages.postures.holds.noise,
+    )
+    return [
+        moving_stretch(
+            recording.name, each.motion, each.wrench, stages.gravity, sign, body, std_of(payload), criteria.payload,
+            at_rest,
+        )
+        for recording, each in zip(payload.of(role), moved, strict=True)
+    ]  # fmt: skip
 
 
 def _tests(
@@ -300,6 +409,29 @@ def _tests(
             for name, left in ways.items()
         }
     return out
+
+
+def _zeroed(
+    payload: Payload, compensation: Compensation, contact: Sequence[Moved], moving: bool, criteria: Criteria
+) -> tuple[list[Moved], list[str]]:
+    """Logs of contact with a zero of their own taken off, where one constant is what alarms through most of a log, and
+    other logs show that the zero moves; and what is said of it. moving: whether they do."""
+    out, said, most = list[Moved](), list[str](), criteria.payload.touched
+    limit = false_alarm_limit(criteria.payload_dynamic.zero_alarms)
+    for recording, each in zip(payload.of("contact"), contact, strict=True):
+        found = compensation.touched(each.motion, each.wrench, limit)
+        constant = np.median(found.external, axis=0)
+        without = replace(each, wrench=each.wrench - constant)
+        share = float(np.mean(compensation.touched(each.motion, without.wrench, limit).alarm))
+        if np.mean(found.alarm) < most or share > most * float(np.mean(found.alarm)):
+            out.append(each)
+            continue
+        force = float(np.linalg.norm(constant[:3]))
+        told = f"{recording.name}: {force:.3g} N stand there in {100 * np.mean(found.alarm):.0f} % of the time. "
+        taken = "Other logs show a zero that moves: taken for that, and off."
+        said.append(told + (taken if moving else "A zero that has moved looks like that, and so does a lasting touch."))
+        out.append(without if moving else each)
+    return out, said
 
 
 def _touches(

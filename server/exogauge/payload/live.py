@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.payload.calibration import Calibration
 from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps, zero_of
-from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
+from exogauge.payload.dynamics import Prior, Rows, dynamic_rows, reading_of_mu
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
 from exogauge.payload.live_track import Pose, Track, Tracked
 from exogauge.payload.sensor_motion import SensorMotion, joined
@@ -30,7 +31,8 @@ Zero = Literal["none", "taking", "held", "beyond", "refused"]
 class Start:
     """What is known when a stream begins. gravity: (3,) [m/s²] in {B}. sign: s. std: (6,) [N, N·m] of one wrench.
     believed: (16,) std of x of a payload of which nothing is known. late: [s] by which wrenches are late,
-    and its std, where logs say it."""
+    and its std, where logs say it. calibration: of the sensor, by what logs read. in_doubt: why what is told live is
+    not to be believed, as logs say."""
 
     pose: Pose
     gravity: Array
@@ -41,6 +43,8 @@ class Start:
     false_alarms_per_hour: float = 1.0
     criteria: Criteria = USUAL
     late: tuple[float, float] | None = None
+    calibration: Calibration | None = None
+    in_doubt: tuple[str, ...] = ()
 
 
 @final
@@ -63,13 +67,15 @@ class Sensed:
 class Known:
     """At `time` [s]. threshold: [N] force that counts as contact in this posture, in its least certain direction.
     left_out: samples in or beside an alarm, which were not used. late: [s] by which wrenches are late, and its std,
-    which is taken off; None where they are not, as far as is known."""
+    which is taken off; None where they are not, as far as is known. in_doubt: why the estimate is not to be believed:
+    sentences."""
 
     time: float
     estimate: Estimate
     threshold: float
     left_out: int
     late: tuple[float, float] | None = None
+    in_doubt: tuple[str, ...] = ()
 
 
 @final
@@ -83,7 +89,7 @@ class Live:
         farthest = start.criteria.payload.latest_s
         self.track = Track(start.pose, rate_hz, start.gravity, still=still, criteria=says, farthest_s=farthest)
         self.track.retimed.late = 0.0 if start.late is None else start.late[0]
-        self.fit = LiveFit(start.prior, start.believed, start.criteria, named=start.late is not None)
+        self.fit = self._begun(named=start.late is not None)
         self._told_late = start.late
         self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
         self.given = 0  # samples that came out
@@ -111,6 +117,8 @@ class Live:
     def push(self, time: Array, values: Array, wrench: Array) -> Iterator[Sensed | Known]:
         """time: (n,) [s], increasing, also over calls. values: (n, K) joint angles [rad], or R_BS row by row and the
         position [m]. wrench: (n, 6) as read, in {S}."""
+        if self.start.calibration is not None:
+            wrench = self.start.calibration.corrected(wrench)
         before = np.concatenate([[self._last_time], time[:-1]])
         gaps = np.flatnonzero(time - before > (self._says.longest_gap + 0.5) / self.rate_hz)
         if len(time):
@@ -154,7 +162,20 @@ class Live:
             force = touched.spread[-1, :3, :3]
             threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
             self._told_late = self._late(estimate)
-            yield Known(float(motion.time[-1]), estimate, threshold, self.left_out, self._told_late)
+            yield Known(
+                float(motion.time[-1]), self.fit.doubted(estimate), threshold, self.left_out, self._told_late,
+                self._in_doubt(estimate),
+            )  # fmt: skip
+
+    def _begun(self, *, named: bool) -> LiveFit:
+        start = self.start
+        return LiveFit(start.prior, start.believed, start.criteria, named=named, calibration=start.calibration)
+
+    def _in_doubt(self, estimate: Estimate) -> tuple[str, ...]:
+        if estimate.mu is None or estimate.mu_std is None or estimate.mu < 1.0:
+            return self.start.in_doubt
+        reading = reading_of_mu(estimate.mu, estimate.mu_std, criteria=self.start.criteria.payload_dynamic)
+        return self.start.in_doubt if reading is None else (*self.start.in_doubt, reading)
 
     def _late(self, estimate: Estimate) -> tuple[float, float] | None:
         """By how much wrenches are late. Where that is more than chance it is taken off from now on, and the fit begins
@@ -165,7 +186,7 @@ class Live:
             retimed, most = self.track.retimed, self.start.criteria.payload.latest_s
             if abs(more[0]) > self._says.straight_s:
                 retimed.late = float(np.clip(retimed.late + more[0], -most, most))
-                self.fit = LiveFit(self.start.prior, self.start.believed, self.start.criteria, named=True)
+                self.fit = self._begun(named=True)
                 return retimed.late, more[1]
         if not self.fit.named or more is None:
             return self._told_late

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.criteria.payload_live import USUAL as AS_USUAL
 from exogauge.criteria.payload_live import Streaming
+from exogauge.payload.calibration import Calibration, Seen, live_rows
 from exogauge.payload.dynamics import Prior, Rows, of_prior, prior_information
 from exogauge.payload.total_least_squares import Recursion
 
@@ -51,8 +52,13 @@ class LiveFit:
     step of Newton, exact where δ is small against the motion. It is told of x where δ is `named`.
     """
 
-    def __init__(self, prior: Prior, believed: Array, criteria: Criteria = USUAL, *, named: bool = False) -> None:
-        """believed: (16,) std of x before anything was measured. named: whether a wrench is known to be late."""
+    def __init__(
+        self, prior: Prior, believed: Array, criteria: Criteria = USUAL, *, named: bool = False,
+        calibration: Calibration | None = None,
+    ) -> None:  # fmt: skip
+        """believed: (16,) std of x before anything was measured. named: whether a wrench is known to be late.
+        calibration: of the sensor, by what was read before."""
+        self._calibration, self._read = calibration, list[Seen]()
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
         self.named, self._latest = named, criteria.payload.latest_s
         self._surer = criteria.payload_dynamic.decided
@@ -76,6 +82,9 @@ class LiveFit:
         self.recursion.run(rows.z, rows.noise)
         self.used += len(rows.z)
         self._across += rows.across_tilting()
+        if self._calibration is not None:
+            more = Seen.of(live_rows(rows, self.prior.value), rows.std**-2.0)
+            self._read = [Seen(sum((each.gram for each in self._read), more.gram), more.weight)]
         first = 0
         while first < len(rows.z):
             last = min(first + self._says.block - self._filled, len(rows.z))
@@ -131,6 +140,18 @@ class LiveFit:
             state = "converged"
         mu, mu_std = self._mu(np.append(x, -1.0))
         return Estimate(x, covariance, mu, mu_std, decided, state, self.used, late)
+
+    def doubted(self, estimate: Estimate) -> Estimate:
+        """With what the sensor's calibration leaves in doubt, which is none in what the sensor reads."""
+        if self._calibration is None:
+            return estimate
+        share = 1.0 / (max(estimate.mu or 1.0, 1.0) * self._calibration.memory)
+        more = [Seen(each.gram, each.weight * share) for each in self._read]
+        of = [*self._calibration.still, *self._calibration.moving, *more]
+        doubt = self._calibration.doubt(estimate.value[:10], of, more)[:16, :16]
+        covariance = estimate.covariance + doubt
+        decided = np.sqrt(np.diag(covariance)) < self._surer * self._believed
+        return replace(estimate, covariance=covariance, decided=decided)
 
     def _joint(self) -> tuple[Array, Array, tuple[float, float] | None]:
         """x, its covariance, and by how much the wrench is late; x beside that where it is named."""

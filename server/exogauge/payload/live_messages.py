@@ -47,6 +47,7 @@ def payload_message(known: Known, counts: Counts, rate_hz: float) -> dict[str, A
         "threshold_n": known.threshold,
         "late_ms": None if known.late is None else 1e3 * known.late[0],
         "late_std_ms": None if known.late is None else 1e3 * known.late[1],
+        "in_doubt": list(known.in_doubt),
         "used_s": found.used / rate_hz,
         "left_out_s": known.left_out / rate_hz,
         "counts": dict(counts.plain()),

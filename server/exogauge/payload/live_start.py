@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
+from exogauge.payload.calibration import Calibration, uncalibrated
 from exogauge.payload.contract import PayloadFile
-from exogauge.payload.dynamics import Prior, static_prior
+from exogauge.payload.dynamics import DynamicSolution, Prior, static_prior
 from exogauge.payload.evaluate import Evaluation, evaluate
 from exogauge.payload.intake import Payload, Recording, Stream, open_payload
 from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
-from exogauge.payload.prepare import std_of
+from exogauge.payload.missing.words import name_of
+from exogauge.payload.prepare import declared_of, std_of
 from exogauge.payload.sensor_motion import Chain
 from exogauge.payload.smoothing import likeliest, shown_std
 from exogauge.payload.stages import prior_of, stated_sign
@@ -42,26 +44,44 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
     gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
     believed, late = np.sqrt(np.diag(prior.covariance)), None
+    calibration: Calibration = uncalibrated(declared_of(payload.file, criteria))
+    in_doubt: tuple[str, ...] = ()
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
         late = _late(found)
         sign, stages = found.sign, found.stages
-        if late is None and found.rigid is not None:  # but for a delay, what was named missing is not taken out live
+        if late is None and found.rigid is not None and not found.missing.calibrated:
+            # but for a delay and the sensor's calibration, what was named missing is not taken out live
             stages = found.rigid
+        assert stages.calibration is not None
+        assert stages.exact is not None
+        calibration, stages, in_doubt = stages.calibration, stages.exact, _in_doubt(found)
         gravity = stages.gravity
         if stages.postures is not None:
             prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
         if stages.excitation is not None:
-            prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
+            prior = _after(stages.excitation.chosen, prior, settings.zero)
     else:
         sign = stated_sign(payload)
     std, density = _channels(payload, criteria)
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
         Pose(chain, std, density, _even_period(payload)), gravity, sign, std_of(payload), prior, believed,
-        settings.false_alarms_per_hour, criteria, late,
+        settings.false_alarms_per_hour, criteria, late, calibration, in_doubt,
     )  # fmt: skip
+
+
+def _in_doubt(found: Evaluation) -> tuple[str, ...]:
+    """What logs say is missing, and is not taken out live nor held by the doubt of the sensor's calibration."""
+    missing = found.missing
+    if missing.decision.verdict == "unexplained":
+        return ("The logs leave something that nothing explains: what is told live does not hold.",)
+    taken = {"gain", "crosstalk", "calibration", *(["delay"] if _late(found) is not None else [])}
+    names = [name_of(each.effect, each.place) for each in missing.found if each.effect not in taken]
+    if not names:
+        return ()
+    return (f"By the logs: {'; '.join(names)}. That is not taken out live: what is told does not hold.",)
 
 
 def _late(found: Evaluation) -> tuple[float, float] | None:
@@ -77,13 +97,14 @@ def _identifying(payload: Payload) -> list[Recording]:
     return [*payload.of("postures"), *payload.of("excitation")]
 
 
-def _after(value: Array, covariance: Array, before: Prior, zero: str) -> Prior:
+def _after(found: DynamicSolution, before: Prior, zero: str) -> Prior:
     """What the excitation left known; a zero that drifts is then another one again."""
-    covariance = covariance.copy()
+    covariance, lean = found.covariance.copy(), found.lean.copy()
     if zero == "drifted":
         covariance[RELEASED], covariance[:, RELEASED] = 0.0, 0.0
         covariance[RELEASED, RELEASED] = before.covariance[RELEASED, RELEASED]
-    return Prior(value, covariance)
+        lean[RELEASED] = 0.0
+    return Prior(found.value, covariance, lean)
 
 
 def _channels(payload: Payload, criteria: Criteria) -> tuple[Array, Array]:

@@ -67,6 +67,8 @@ def known_line(message: Mapping[str, Any]) -> str:
         parts.append(f"wrench {message['late_ms']:.2f} ± {message['late_std_ms']:.1g} ms late")
     if mu is not None:
         parts.append(f"μ {mu:.2f} ± {message['mu_std']:.2f}")
+    if message["in_doubt"]:
+        parts.append(f"not to be believed: {' '.join(message['in_doubt'])}")
     return "  ".join(parts)
 
 

@@ -43,6 +43,21 @@ def _part(z: Array, columns: list[int]) -> tuple[Array, Array] | None:
     return np.asarray(x / scale), np.asarray(covariance)
 
 
+def explained(rows: Rows, ratio: float, misfit: float) -> bool:
+    """Whether moments that are divided by the ratio leave what noise leaves, or far less than they do as they are: a
+    cable makes forces and moments disagree too, and no unit mends that. misfit: mean square that counts as far."""
+    A = rows.z[:, :, :-1].reshape(-1, rows.size)
+    scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
+    root = np.linalg.qr(A / scale)[0]
+
+    def left(moments: float) -> float:
+        b = (rows.z[:, :, -1] * np.repeat([1.0, moments], 3)).ravel()
+        return float(np.mean((b - root @ (root.T @ b)) ** 2))
+
+    divided = left(1.0 / ratio)
+    return divided < misfit or divided * misfit < left(1.0)
+
+
 def units_for(ratio: float, std: float, force_unit: str, moment_unit: str) -> str:
     """What to say in place of the stated units, where one other unit explains the ratio. std: of the ratio."""
     found = []

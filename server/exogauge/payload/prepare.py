@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.criteria.payload_dynamic import USUAL as MOVING
 from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_static import USUAL, Standing
@@ -16,6 +17,8 @@ from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.resampling import to_common_clock
+from exogauge.payload.calibration import Declared
+from exogauge.payload.contract import PayloadFile, SensorUncertainty
 from exogauge.payload.dynamics import Rows, dynamic_rows
 from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import ImuFrame
@@ -46,6 +49,26 @@ def std_of(payload: Payload) -> Array:
     std = np.where(size > stated, np.hypot(stated, size / np.sqrt(12.0)), stated)
     shown = np.max([np.zeros(6), *(each.noise for each in steps)], axis=0)
     return np.where(shown > 0.0, np.maximum(stated, np.minimum(shown, std)), std)
+
+
+def declared_of(file: PayloadFile, criteria: Criteria, *, contradicted: bool = False) -> Declared:
+    """As payload.yaml says, else the defaults. contradicted: whether a gain or a crosstalk was named, so that a sensor
+    that is said to be exact is none."""
+    noise, said = file.sensor.noise, file.uncertainty
+    length = noise.moment_nm / noise.force_n
+    if said == "none":
+        if not contradicted:
+            return Declared(0.0, 0.0, 0.0, length)
+        said = SensorUncertainty()
+    usual = {
+        "ft_gain": criteria.declared.ft_gain,
+        "ft_gain_common": criteria.declared.ft_gain_common,
+        "ft_crosstalk": criteria.payload_static.ft_crosstalk,
+    }
+    stated = said.model_dump()
+    found = [usual[name] if stated[name] is None else float(stated[name]) for name in usual]
+    gain, common, across = found
+    return Declared(gain, common, across, length, frozenset(name for name in usual if stated[name] is None))
 
 
 def rounded_mean(step: float, noise: float) -> float:

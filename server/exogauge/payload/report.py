@@ -166,6 +166,8 @@ def _facts(found: PayloadResults) -> Block:
         value, std = with_std(found.dynamic.mu, found.dynamic.mu_std)
         enough = "LS would have done" if found.dynamic.least_squares_would_do else "LS differs by more than its scatter"
         facts += [("μ", f"{value} ± {std}: residual over what the stated noise explains"), ("Method", enough)]
+    if found.calibration is not None:
+        facts.append(("± holds", found.calibration.said.replace("`", "")))
     if found.imu is not None:
         facts.append(("IMU", f"{found.imu.angle_deg:.1f}° off the sensor’s axes, {found.imu.lag_ms:.1f} ms late"))
     return Block("How", facts=tuple(facts))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge import __version__
 from exogauge.criteria.criterion import Z95, entries
-from exogauge.criteria.payload_dynamic import Moving
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
 from exogauge.payload.evaluate import Evaluation, Stages
@@ -19,6 +19,7 @@ from exogauge.payload.missing.search import Finding
 from exogauge.payload.missing.words import said_of, verdict_of
 from exogauge.payload.remainder import Figures, Remainder
 from exogauge.payload.schema import (
+    CalibrationResults,
     ChannelRatios,
     ContactResults,
     Deciding,
@@ -61,6 +62,7 @@ def results(evaluation: Evaluation) -> PayloadResults:
             for log, touches in evaluation.touches.items()
         },
         contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation), missing=_missing(evaluation),
+        calibration=_calibration(stages),
         mass_error_kg=None if truth is None else float(mass - truth), warnings=list(evaluation.warnings),
         criteria=[Deciding(**each) for each in entries(evaluation.criteria, DECIDING)],
     )  # fmt: skip
@@ -111,6 +113,8 @@ def summary(found: PayloadResults) -> str:
     for log, touches in found.contacts.items():
         parts.append(f"{log}: contact from {found.contact_threshold_n[log]:.3g} N on")
         parts += [f"  {t.start_s:.2f} to {t.end_s:.2f} s, up to {np.linalg.norm(t.force_n):.3g} N" for t in touches]
+    if found.calibration:
+        parts.append(f"± holds the sensor's calibration: {found.calibration.said}")
     parts.append(found.missing.said)
     parts += [f"  {each.said}" for each in (*found.missing.found, *found.missing.suspected)]
     if found.mass_error_kg is not None:
@@ -214,6 +218,25 @@ def _missing(evaluation: Evaluation) -> MissingResults:
         },
         in_the_model=missing.in_the_model, without=_told_of(moved, still),
         candidates=missing.tried, said=verdict_of(missing),
+    )  # fmt: skip
+
+
+def _calibration(stages: Stages) -> CalibrationResults | None:
+    found, exact = stages.calibration, stages.exact
+    if found is None or exact is None or found.exact:
+        return None
+    without = {each.name: each.std for each in _told_of(_dynamic(exact, None, USUAL), _static(exact))}
+    shares = (found.declared.gain, found.declared.common, found.declared.crosstalk)
+    kinds = ("of each axis", "that all share", "of crosstalk")
+    said = [", ".join(f"{100 * share:.3g} % {kind}" for share, kind in zip(shares, kinds, strict=True))]
+    said[0] += " (not stated; `uncertainty` of payload.yaml)." if found.declared.defaulted else "."
+    if max(found.scale) > 1.0:
+        said.append("Axes differ by more: gains are taken {:g}, crosstalk {:g} times as large.".format(*found.scale))
+    said.append(f"With an exact sensor the mass would be known to {without['m']:.2g} kg.")
+    return CalibrationResults(
+        ft_gain=shares[0], ft_gain_common=shares[1], ft_crosstalk=shares[2],
+        defaulted=sorted(found.declared.defaulted), worse=found.scale,
+        taken_out=found.taken.tolist() if found.taken.any() else None, std_without=without, said=" ".join(said),
     )  # fmt: skip
 
 

@@ -98,6 +98,24 @@ class RemainderResults(FigureResults):
     zero_helps: float
 
 
+class CalibrationResults(_Part):
+    """What a sensor's calibration adds to the doubt (GUM 4.3, type B): standard deviations, as shares, of the gain of
+    each axis, of a gain that all share, of what an axis reads of another one. defaulted: which of them nobody stated.
+    worse: by how many times gains and crosstalk are worse than that, as axes differ: taken so. taken_out: (6, 6) share
+    that a channel reads of another one, forces then moments, N and N·m, that was taken out of all wrenches; None where
+    none was. std_without: of each number, what its standard deviation would be with an exact sensor. said: in a
+    sentence."""
+
+    ft_gain: float
+    ft_gain_common: float
+    ft_crosstalk: float
+    defaulted: list[str]
+    worse: tuple[float, float]
+    taken_out: list[list[float]] | None
+    std_without: dict[str, float]
+    said: str
+
+
 class ContactResults(_Part):
     """force_n: largest force on the payload, in the sensor's axes."""
 
@@ -187,6 +205,7 @@ class PayloadResults(_Part):
     contact_threshold_n: dict[str, float]
     imu: ImuResults | None
     missing: MissingResults
+    calibration: CalibrationResults | None = None
     mass_error_kg: float | None
     warnings: list[str]
     criteria: list[Deciding] = []

@@ -27,7 +27,7 @@ from exogauge.payload.dynamics import (
 )
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturated
-from exogauge.payload.other_units import moments_over_forces, units_for
+from exogauge.payload.other_units import explained, moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
 from exogauge.payload.statics import (
     Holds,
@@ -41,7 +41,7 @@ from exogauge.payload.statics import (
     told_sign,
     touched_postures,
 )
-from exogauge.payload.turned_axes import other_axes
+from exogauge.payload.turned_axes import exchanged_moments, other_axes, said_of_moments
 from exogauge.payload.turned_axes import said as said_of_axes
 from exogauge.studies.intake.robot_file import SIGN
 
@@ -126,6 +126,10 @@ def postures_stage(
                             "payload, that it does not shift, and the order and axes of pose and wrench."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
+    exchanged = exchanged_moments(holds, still)
+    if exchanged is not None:
+        detail, advice = said_of_moments(exchanged, payload.file.sensor.wrench)
+        raise BadStudy(Fault(detail, "other_axes", advice, first.wrench.file, None, payload.file.sensor.wrench[3]))
     sign = told_sign(holds, gravity, still)
     stated = sees
     if turned is not None and turned.angle is not None and turned.angle > np.radians(still.turned_deg):
@@ -244,6 +248,8 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
         return
     if any(True for each in payload.of("excitation") for _ in saturated(payload, each, criteria)):
         return  # what is cut off or dead says nothing of units, and is told
+    if not explained(rows, ratio, criteria.payload_dynamic.misfit):
+        return
     if ratio < 0.0:
         if 1.0 / most <= -ratio <= most:
             file = payload.of("excitation")[0].wrench.file

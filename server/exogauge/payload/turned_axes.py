@@ -1,8 +1,10 @@
-"""Whether a wrench is written in other axes than those of the sensor's frame: turned, exchanged or reversed."""
+"""Whether a wrench is written in other axes than those of the sensor's frame: turned, exchanged or reversed; or its
+moments alone."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations, product
 from typing import final
 
 import numpy as np
@@ -10,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.payload_static import USUAL, Standing
-from exogauge.payload.statics import Holds, force_columns
+from exogauge.payload.statics import Holds, force_columns, moment_columns
 
 Array = NDArray[np.float64]
 
@@ -60,6 +62,56 @@ def other_axes(holds: Holds, gravity: Array, sign: int | None, criteria: Standin
     mirrored = np.linalg.det(Q) < 0.0
     angle = None if mirrored else float(np.arccos(np.clip((np.trace(Q) - 1.0) / 2.0, -1.0, 1.0)))
     return OtherAxes(np.asarray(nearest if aligned else Q), angle, aligned)
+
+
+def exchanged_moments(holds: Holds, criteria: Standing = USUAL) -> Array | None:
+    """(3, 3) what is read of a moment in the axes of the forces, where other columns or signs of the moments alone fit
+    the forces of the postures clearly better than those stated; None where none do. Up to the sign of all three, which
+    postures do not tell: the one that leaves most columns as they are.
+
+    Implements [Payload] (15) for moments Q τ, Q one of the 48 that exchange and reverse axes: τ = c x f + ι.
+    """
+    B, tau = moment_columns(holds.wrench[:, :3]), holds.wrench[:, 3:]
+    if np.linalg.cond(B / np.linalg.norm(B, axis=0)) > 1.0 / criteria.rank:
+        return None
+    root = np.linalg.qr(B)[0]
+
+    def left(Q: Array) -> float:
+        y = (tau @ Q).ravel()  # as it would be in the forces' axes
+        return float(np.sqrt(np.mean((y - root @ (root.T @ y)) ** 2)))
+
+    others = [
+        np.eye(3)[list(order)] * np.array(signs)[:, None]
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]
+    stated, best = left(np.eye(3)), min(left(Q) for Q in others)
+    weight = float(np.abs(tau - tau.mean(axis=0)).max())
+    if stated < max(criteria.clearly * float(holds.std[3:].max()), criteria.unexplained * weight):
+        return None
+    if criteria.clearly * best > stated:
+        return None
+    alike = [Q for Q in others if left(Q) < criteria.clearly * max(best, float(holds.std[3:].max()))]
+    if len(alike) > 2:  # and their mirror images
+        return None
+    return np.asarray(max(alike, key=lambda Q: float(np.trace(Q))))
+
+
+def said_of_moments(Q: Array, columns: tuple[str, ...]) -> tuple[str, str]:
+    """What was found of the last three columns, and advice."""
+    reads = _reads(Q, columns[3:])
+    detail = f"the moments are written in other axes than the forces: {', '.join(reads)}"
+    return detail, "Check the order and the signs of the last three of `sensor.wrench`; the forces fit as they are."
+
+
+def _reads(Q: Array, columns: tuple[str, ...]) -> list[str]:
+    """What each column reads, of those that read something else."""
+    out = []
+    for k, (name, row) in enumerate(zip(columns, Q, strict=True)):
+        of = int(np.argmax(np.abs(row)))
+        if (of, row[of]) != (k, 1.0):
+            out.append(f"{name!r} reads what {'-' if row[of] < 0 else '+'}{'xyz'[of]} should")
+    return out
 
 
 def said(found: OtherAxes, columns: tuple[str, ...], frame: str) -> tuple[str, str]:

@@ -52,9 +52,8 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
         B[own[kind]] += weights[kind] * sums.cross.T
         S += weights[kind] * sums.own
     squares = np.diag(S).copy()
-    S -= B.T @ model.solution.unbounded.divided(B)
     scale = float(np.median(memories)) * square / max(count, 1)
-    std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * scale)
+    std = np.sqrt(np.diag(inverse_of_rest(S, B.T @ model.solution.unbounded.divided(B))) * scale)
     names = [*(each.name for each in effect.coefficients), *_free(found)]
     doubt = dict(zip(names, std, strict=True))
     idle = {name for name, own_square in zip(names, squares, strict=True) if own_square == 0.0 and name in _free(found)}
@@ -66,6 +65,23 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
         factor, unit = candidate.site.in_si(model, own_unit, candidate.shape)
         estimates[name] = Estimate(float(value) * factor, float(doubt.get(name, 0.0)) * factor, unit)
     return estimates
+
+
+def inverse_of_rest(squares: Array, taken: Array) -> Array:
+    """(C, C) inverse of what is left of columns, squares - taken, once all that is fitted beside them is out.
+
+    No direction is known better than by `resolved` of its square: the two are of different passes over the data, and
+    agree no further. What was left of one that is swallowed came out below zero, and its doubt as none. Columns
+    of zeros have none.
+    """
+    resolved = 1e-5
+    size = np.sqrt(np.diag(squares))
+    live = np.flatnonzero(size > 0.0)
+    unit = np.outer(size[live], size[live])
+    left, ways = np.linalg.eigh((squares - taken)[np.ix_(live, live)] / unit)
+    inverse = np.zeros_like(squares)
+    inverse[np.ix_(live, live)] = (ways / np.maximum(left, resolved)) @ ways.T / unit
+    return inverse
 
 
 def _free(found: Score) -> list[str]:

@@ -28,7 +28,7 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.identification.type_b import ROBOT
 from exogauge.robots.rows import RowType
-from exogauge.search.doubt import shape_slopes
+from exogauge.search.doubt import inverse_of_rest, shape_slopes
 from exogauge.search.locate import all_channels, pooled
 from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
@@ -122,7 +122,7 @@ def _of_shapes(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows]) 
         return np.zeros((len(B), len(B)))
     x = model.solution.unbounded.divided(B)
     scale = float(np.median(memories)) * square / count
-    return np.asarray(x @ (scale * np.linalg.pinv(S - B.T @ x, hermitian=True)) @ x.T)
+    return np.asarray(scale * x @ inverse_of_rest(S, B.T @ x) @ x.T)
 
 
 def coefficients(model: RobotModel, added: AddedEffect) -> Array:

@@ -275,6 +275,7 @@ def payload_file(seed: int, mass: float = MASS) -> dict[str, object]:
             "noise_rad": ENCODER_NOISE,
         },
         "logs": [{"file": f"logs/{name}.parquet", "role": role} for name, role in roles.items()],
+        "uncertainty": "none",  # simulated: the sensor is what it is said to be
         "ground_truth": {"mass_kg": mass},
     }
 

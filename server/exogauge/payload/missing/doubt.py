@@ -21,7 +21,6 @@ from exogauge.payload.missing.fit import (
     weighted,
     with_best_shape,
 )
-from exogauge.payload.missing.sensor_effects import crosstalk
 
 Array = NDArray[np.float64]
 
@@ -76,27 +75,6 @@ def covariance(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array
     lift = np.linalg.solve(found.triangle, across)
     C = np.block([[found.covariance + lift @ of_shapes @ lift.T, -lift @ of_shapes], [-of_shapes @ lift.T, of_shapes]])
     return np.asarray(max(found.rss / found.rows, 1.0) * C)
-
-
-def of_calibration(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array:
-    """(18, 18) what it adds to the covariance of body, zero and turn that other gains of a sensor are as doubtful as
-    those that were named: it is told how channels differ, and a gain that all have in common is a mass to the data."""
-    shares = [
-        float(np.abs(found.x[_place(named, k)]).max()) for k, each in enumerate(named) if each.effect.name == "gain"
-    ]
-    if not shares:
-        return np.zeros((SIZE, SIZE))
-    gains = [crosstalk(k, k) for k in range(6)]
-    G = np.vstack([
-        weighted(each, np.concatenate([gain.columns(problem.frame, each, ()) for gain in gains], axis=2))
-        for each in problem.stretches
-    ])  # fmt: skip
-    G = np.vstack([G, np.zeros((SIZE, 6))])
-    across = found.root.T @ G
-    of_gains = np.linalg.inv(G.T @ G - across.T @ across + np.eye(6) / max(shares) ** 2)
-    lift = np.linalg.solve(found.triangle, across)[:SIZE]
-    shift = lift @ of_gains @ G.T @ found.residual  # what they seem to be, though too little to be named
-    return np.asarray(lift @ of_gains @ lift.T + np.outer(shift, shift))
 
 
 def slightly_late(

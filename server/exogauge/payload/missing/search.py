@@ -8,7 +8,7 @@ residuals remember, and nobody knows for how long before it is found.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import Criteria
 from exogauge.criteria.judging import Carrying
 from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, decide
+from exogauge.payload.calibration import Calibration
 from exogauge.payload.dynamics import correlation_time
 from exogauge.payload.missing.doubt import (
     CLOSELY,
@@ -26,7 +27,6 @@ from exogauge.payload.missing.doubt import (
     covariance,
     numbers,
     numbers_with_std,
-    of_calibration,
     slightly_late,
     swings,
 )
@@ -45,6 +45,7 @@ from exogauge.payload.missing.fit import (
 )
 from exogauge.payload.missing.hanging import second_body, spring
 from exogauge.payload.missing.sensor_effects import (
+    crosstalk,
     delay,
     inclination,
     of_all_channels,
@@ -88,7 +89,8 @@ class Missing:
     what may be said. before, after: (6,) rms over floor by log. tried: candidates. of_body: whether any of what was
     found changes what is fitted. courses: (T, 6) what of the wrench is that of what was found, of every stretch in the
     order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]. late: [s] by which
-    the wrench is late, and std, where that is beyond chance and too little to be named; late_doubt: what that adds."""
+    the wrench is late, and std, where that is beyond chance and too little to be named; late_doubt: what that adds.
+    calibrated: whether gains and crosstalk of all axes at once stand in place of `courses`."""
 
     found: tuple[Finding, ...]
     suspected: tuple[Finding, ...]
@@ -101,11 +103,36 @@ class Missing:
     doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
     late: tuple[float, float] | None = None
     late_doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
+    calibrated: bool = False
 
     @property
     def in_the_model(self) -> bool:
         """Whether all else may be told with it: named, of a known size, and nothing else explains as much."""
-        return bool(self.found) and all(each.parameters and not each.rivals for each in self.found)
+        sure = self.calibrated or all(each.parameters and not each.rivals for each in self.found)
+        return bool(self.found) and sure
+
+    @property
+    def of_sensor(self) -> bool:
+        """Whether all that was named, and what explains as much, is a gain or a crosstalk of the sensor."""
+        names = [name for each in self.found for name in (each.effect, *(effect for effect, _ in each.rivals))]
+        return bool(names) and all(name in ("gain", "crosstalk") for name in names)
+
+    def with_sensor(self, found: Calibration, left: Mapping[str, Array], criteria: Criteria) -> Missing:
+        """With gains and crosstalk of all axes at once. left: (6,) rms over floor by log, with them. What was named
+        alone, and nothing else, stays so."""
+        if not self.found or len(self.found) > 1 or self.found[0].rivals:
+            logs = [name for name in left if name in self.before]
+            before, after = (
+                float(np.sqrt(np.mean([ratios[name] ** 2 for name in logs]))) for ratios in (self.before, left)
+            )
+            shares = tuple(_shares(found, criteria))
+            finding = Finding("calibration", "sensor", shares, found.evidence, before, after, ())
+            here = replace(self, found=(finding,), suspected=())
+        else:
+            here = self
+        whole = "nothing" if self.decision.left == "above" else self.decision.left
+        decision = replace(self.decision, verdict="effects", left=whole)
+        return replace(here, after=left, decision=decision, of_body=True, courses=(), calibrated=True)
 
 
 @final
@@ -115,6 +142,18 @@ class _Candidate:
     evidence: float
     before: float
     after: float
+
+
+def _shares(found: Calibration, criteria: Criteria) -> Iterator[Parameter]:
+    """What is sure: gains against their mean, as what all share is a mass to the data, and crosstalk."""
+    J = np.eye(36)
+    J[np.ix_(range(0, 36, 7), range(0, 36, 7))] -= 1.0 / 6.0
+    _, C = found.known(found.body)
+    value, std = J @ found.taken.ravel(), np.sqrt(np.diag(J @ C @ J.T))
+    for k in np.argsort(-np.abs(value) / std):
+        if abs(value[k]) > criteria.judging.sure * std[k]:
+            effect = crosstalk(*divmod(int(k), 6))
+            yield Parameter(effect.place, effect.parameters[0][1], float(value[k]), float(std[k]))
 
 
 def unjudged(reason: Caveat) -> Missing:
@@ -162,7 +201,7 @@ def find_missing(
     courses = tuple(_course(problem, base, named, each, own) for each in (*fitted, *held_out, *others))
     C = covariance(problem, base, named)
     across = C[:SIZE, SIZE:]
-    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T + of_calibration(problem, base, named)
+    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T
     late = None
     if all(each.effect.name != "delay" for each in named):
         late = slightly_late(problem, base, named, delay(criteria.payload))

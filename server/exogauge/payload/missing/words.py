@@ -14,6 +14,7 @@ EFFECTS = {
     "zero_drift": "the sensor's zero moves on while it moves",
     "crosstalk": "crosstalk: {place}",
     "gain": "a wrong gain of {place}",
+    "calibration": "gains of the {place} against their mean, and crosstalk",
     "delay": "the wrench is late against the pose",
     "spring": "the payload gives way along {place} of the sensor",
     "second_body": "a part of the payload hangs loose, on springs",
@@ -51,8 +52,7 @@ def verdict_of(missing: Missing) -> str:
 
 def _held(missing: Missing) -> str:
     if missing.in_the_model:
-        gain = any(each.effect == "gain" for each in missing.found)
-        others = " Other gains are held for as doubtful: one that all axes share looks like mass." if gain else ""
+        others = " A gain that all axes share looks like mass: that is in the doubt." if missing.calibrated else ""
         rigid = "`missing.without` are those of a rigid body behind an ideal sensor alone."
         return f"All numbers here are with it; {rigid}{others}"
     why = (

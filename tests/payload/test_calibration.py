@@ -1,0 +1,139 @@
+"""The sensor's own calibration: what nobody can see of it is in the doubt, what data show of it is taken out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from tests.payload import foreign
+
+from exogauge.payload.evaluate import Evaluation, evaluate
+from exogauge.payload.intake import open_payload
+from exogauge.payload.live import Known, Live
+from exogauge.payload.live_start import open_start, start_of
+from exogauge.payload.results import results
+
+Array = NDArray[np.float64]
+
+
+def state(folder: Path, said: str) -> None:
+    file = folder / "payload.yaml"
+    file.write_text(file.read_text(encoding="utf-8") + f"uncertainty: {said}\n", encoding="utf-8")
+
+
+def off(found: Evaluation, truth: foreign.Truth) -> Array:
+    """(16,) errors in standard deviations."""
+    assert found.stages.excitation is not None
+    chosen = found.stages.excitation.chosen
+    return np.asarray((chosen.value - truth.x) / chosen.std)
+
+
+def test_a_gain_that_all_axes_share_is_a_doubt_of_the_same_share_of_the_body_and_of_no_zero(tmp_path: Path) -> None:
+    """(1 + e) A Φ is A ((1 + e) Φ): no data tell one from the other."""
+    foreign.write(tmp_path, 3, seconds=8.0, tests=False)
+    state(tmp_path, "{ft_gain: 0, ft_gain_common: 0.02, ft_crosstalk: 0}")
+    found = evaluate(open_payload(tmp_path)).stages
+    assert found.excitation is not None
+    assert found.exact is not None
+    assert found.exact.excitation is not None
+    exact, chosen = found.exact.excitation.chosen, found.excitation.chosen
+    added = np.sqrt(np.diag(chosen.covariance - exact.covariance)[:10])
+    assert added == pytest.approx(0.02 * np.abs(chosen.value[:10]), rel=0.02)
+    assert chosen.std[10:] == pytest.approx(exact.std[10:], rel=0.01)
+    told = np.sqrt(np.diag(found.compensation.covariance))
+    assert told == pytest.approx(exact.std)  # what the sensor reads is foretold as well as ever
+
+
+def test_an_exact_sensor_adds_no_doubt_and_is_told_apart_from_one_of_which_nobody_says_anything(tmp_path: Path) -> None:
+    foreign.write(tmp_path, 3, seconds=8.0, tests=False)
+    usual = results(evaluate(open_payload(tmp_path)))
+    state(tmp_path, "none")
+    exact = results(evaluate(open_payload(tmp_path)))
+    assert exact.calibration is None
+    assert usual.calibration is not None
+    assert usual.calibration.defaulted == ["ft_crosstalk", "ft_gain", "ft_gain_common"]
+    assert usual.dynamic is not None
+    assert exact.dynamic is not None
+    mass, alone = usual.dynamic.values[0], exact.dynamic.values[0]
+    assert 0.008 < mass.std / mass.value < 0.02 < 0.1
+    assert alone.std / alone.value < 0.001
+    assert usual.calibration.std_without["m"] == pytest.approx(alone.std, rel=0.3)
+
+
+GAINS = 1.0 + np.array([0.022, -0.015, 0.012, -0.027, 0.018, 0.011])
+ONE = np.eye(6)
+ONE[0, 1] = 0.015
+MIXED = np.diag(GAINS) + 0.008 * np.array(
+    [[0, 1, -1, 0, 0, 0], [-1, 0, 1, 0, 0, 0], [1, 1, 0, 0, 0, 0], [0.07, 0, 0, 0, 1, 0], [0, -0.07, 0, 1, 0, -1],
+     [0, 0.07, 0, -1, 1, 0]]
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("matrix", [1.02 * np.eye(6), np.diag(GAINS), ONE, MIXED], ids=["alike", "gains", "one", "all"])
+def test_a_sensor_that_nobody_calibrated_misleads_nobody(matrix: Array, tmp_path: Path) -> None:
+    errors, streamed = [], []
+    for seed in range(2):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        made = foreign.write(folder, seed, spoil=foreign.wrench(lambda w: w @ matrix.T))
+        truth = replace(made, zero=matrix @ made.zero)  # as it is read
+        found = evaluate(open_payload(folder))
+        errors.append(off(found, truth))
+        assert found.missing.decision.verdict in ("none", "effects")
+        assert found.missing.in_the_model == (found.missing.decision.verdict == "effects")
+        payload = open_payload(folder)
+        _, whole = open_start(folder)
+        still = start_of(replace(payload, recordings=tuple(payload.of("postures"))))
+        log, known = payload.of("excitation")[0], None
+        for each in Live(replace(still, pose=whole.pose), foreign.RATE).push(
+            log.pose.time, log.pose.values, log.wrench.values
+        ):
+            known = each if isinstance(each, Known) else known
+        assert known is not None
+        streamed.append((known.estimate.value - truth.x) / known.estimate.std)
+    for z in (errors, streamed):
+        assert np.mean(np.abs(z) < 1.96) > 0.85
+        assert np.abs(z).max() < 4.0
+
+
+def cable(_name: str, table: Array) -> Array:
+    """Pulls as the last joints turn, 0.1 m from the sensor."""
+    pull = np.sin(table[:, [5]]) * [3.0, -4.0, 2.5] + (np.cos(table[:, [4]]) - 0.6) * [-2.0, 1.5, 3.0]
+    wrench = np.hstack([pull, np.cross([0.03, -0.08, 0.1], pull)])
+    return np.column_stack([table[:, :6], table[:, 6:] + wrench])
+
+
+@pytest.mark.slow
+def test_a_cable_is_no_unit_and_live_says_that_it_cannot_be_believed(tmp_path: Path) -> None:
+    foreign.write(tmp_path, 2, spoil=cable, seconds=10.0)
+    found = evaluate(open_payload(tmp_path))
+    assert found.missing.decision.verdict == "unexplained"
+    _, start = open_start(tmp_path)
+    assert start.in_doubt
+
+
+def as_contact(folder: Path) -> None:
+    file = folder / "payload.yaml"
+    file.write_text(file.read_text(encoding="utf-8").replace("role: test", "role: contact"), encoding="utf-8")
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_a_zero_that_moved_before_a_log_of_contact_is_no_contact_or_is_asked_for(moving: bool, tmp_path: Path) -> None:
+    zero = np.array([2.5, -1.5, 2.0, 0.05, -0.04, 0.03])
+
+    def spoil(name: str, table: Array) -> Array:
+        share = {"still": 0.0, "shake": 0.5 if moving else 0.0, "other": 1.0}[name]
+        return np.column_stack([table[:, :6], table[:, 6:] + share * zero])
+
+    foreign.write(tmp_path, 4, spoil=spoil, seconds=10.0)
+    as_contact(tmp_path)
+    found = evaluate(open_payload(tmp_path))
+    told = [each for each in found.warnings if each.startswith("other: ")]
+    assert len(told) == 1
+    long = sum(touch.end - touch.start for touch in found.touches["other"])
+    assert long < 1.0 if moving else long > 8.0
+    assert ("taken for that" in told[0]) == moving
