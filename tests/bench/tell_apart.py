@@ -103,8 +103,15 @@ def rates(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None, out
     """Evidence per 10 s, of the rival that is told worst: of the best plain sweep, of what is offered first."""
     assert can_be_planned(doubt)
     here, known = room(doubt.model, logs), Known.of(doubt)
-    every = Weighing.of(known, here, None if moving is None else reach_in(moving, doubt.model, here)).tries()
-    plain = [each for each in every if isinstance(each.choice, Choice) and each.choice.companion is None]
+    reach, rules = None if moving is None else reach_in(moving, doubt.model, here), doubt.model.criteria.planning
+
+    def keeps(sweep: Choice) -> bool:
+        hz = rules.handed_hz
+        return reach is None or reach.keeps(sweep.positions(here.posture, hz), hz, rules.checked_hz)
+
+    every = Weighing.of(known, here, reach).tries()
+    plain = [each for each in every
+             if isinstance(each.choice, Choice) and each.choice.companion is None and keeps(each.choice)]  # fmt: skip
     first = outcome.motions[0].pairs
     told = [k for k, pair in enumerate(outcome.pairs, 1) if pair in first]
     sweep = max((10.0 * min(each.gain[k] for k in told) / each.seconds for each in plain), default=0.0)

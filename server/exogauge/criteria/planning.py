@@ -94,7 +94,12 @@ class Planning:
     no_limit: float = criterion(
         1e6, "N·m, rad/s", "of a joint's largest torque or speed, from which on its maker states none", judgement(RULES)
     )
-    looked_hz: float = criterion(20.0, "Hz", "at which motions are looked at before they are weighed", judgement(RULES))
+    looked_hz: float = criterion(
+        50.0,
+        "Hz",
+        "at which motions are looked at before they are weighed: at 20 a turn of .3 s was over its bound in between",
+        measured("tests/bench/tell_apart_poor.py"),
+    )
     checked_hz: float = criterion(200.0, "Hz", "at which the one that is told keeps every bound", judgement(RULES))
 
 
