@@ -177,6 +177,14 @@ class Comparing:
     )
     most_doubted: int = criterion(6, "joints", "for which slips are tried, the worst first", judgement(RULES))
     far: float = criterion(3.0, "1", "times a limit of the description: no joint was driven there", judgement(RULES))
+    sides_before: float = criterion(
+        0.5,
+        "1",
+        "of how much the feet's moments change, that bodies as described have to leave unasked for: feet that are "
+        "exchanged leave about twice of it",
+        judgement(RULES),
+    )
+    sides_falls: float = criterion(0.5, "1", "of that may be left once two feet are exchanged back", judgement(RULES))
     delay: float = criterion(
         20.0,
         "log likelihood",

@@ -14,6 +14,7 @@ from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
+from exogauge.plausibility.contact_sides import Exchanged, exchanged_contacts
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
@@ -58,6 +59,11 @@ def examine_against_robot(
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))
     seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
+    sides = exchanged_contacts(robot, seen)
+    if sides is not None:  # what legs bear would contradict it joint by joint
+        seen = [sides.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_exchanged(robot, sides)
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, expected = find_slips(robot, seen)
@@ -93,6 +99,16 @@ def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
     """log -> what its accelerometer contradicts."""
     found = {each.log: directions(robot, each) for each in seen}
     return {log: finding for log, each in found.items() if each is not None for finding in imu_rules(robot, each)}
+
+
+def as_exchanged(robot: Robot, sides: Exchanged) -> Finding:
+    one, other = (f"ft.{robot.contacts[place].name}" for place in sides.pair)
+    detail = (
+        f"and {other} fit only the other way round: {100 * sides.before:.0f} % of how their moments about the base "
+        f"change no body asks for as it is, and {100 * sides.after:.0f} % so"
+    )
+    advice = f"exchange the columns of {one} and {other} in a mapping, or their frames in robot.yaml"
+    return Finding("error", one, "wrenches_exchanged", detail, advice, value=sides.before)
 
 
 def as_delayed(robot: Robot, delay: Delay) -> Finding:
