@@ -114,7 +114,7 @@ def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float, criteria: C
         return None
     alike = sorted((each for each in profiles if each.gain[k] > criteria.delay_agrees), key=lambda each: -each.gain[k])
     left = [each.misfit[k] / each.misfit[at_once] for each in alike]
-    seconds = _summit(lags[k - 1 : k + 2], total[k - 1 : k + 2])
+    seconds = summit(lags[k - 1 : k + 2], total[k - 1 : k + 2])
     if (
         not alike
         or np.median(left) > criteria.delay_falls
@@ -125,7 +125,7 @@ def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float, criteria: C
     return Delay(seconds, tuple(each.axis for each in alike), float(worst.misfit[at_once]), float(worst.misfit[k]))
 
 
-def _summit(x: Array, y: Array) -> float:
+def summit(x: Array, y: Array) -> float:
     """Of the parabola through three points, the middle one the highest."""
     a, b, _ = np.polyfit(x - x[1], y, 2)
     return float(x[1] - (0.5 * b / a if a < 0.0 else 0.0))

@@ -14,7 +14,7 @@ from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
-from exogauge.plausibility.contact_sides import Exchanged, exchanged_contacts
+from exogauge.plausibility.base_moments import Exchanged, Late, exchanged_contacts, late_contacts
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
@@ -25,6 +25,7 @@ from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
 OTHER_CLOCK = "effort_clock"
+WRENCH_CLOCK = "wrench_clock"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
     "position_reversed": (
@@ -64,6 +65,10 @@ def examine_against_robot(
         seen = [sides.undo(each) for each in seen]
         for log in logs:
             yield log.name, as_exchanged(robot, sides)
+    for place, one in enumerate(seen):
+        if late := late_contacts(robot, one):
+            seen[place] = late.undo(one)
+            yield one.log, as_late(late)
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, expected = find_slips(robot, seen)
@@ -109,6 +114,16 @@ def as_exchanged(robot: Robot, sides: Exchanged) -> Finding:
     )
     advice = f"exchange the columns of {one} and {other} in a mapping, or their frames in robot.yaml"
     return Finding("error", one, "wrenches_exchanged", detail, advice, value=sides.before)
+
+
+def as_late(late: Late) -> Finding:
+    detail = (
+        f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
+        f"{100 * late.before:.0f} % of how their moments about the base change no body asks for as it is, and "
+        f"{100 * late.after:.0f} % so"
+    )
+    advice = "are they of another clock? In a mapping name their file with a `delay_s`"
+    return Finding("warning", "ft.*", WRENCH_CLOCK, detail, advice, value=late.seconds)
 
 
 def as_delayed(robot: Robot, delay: Delay) -> Finding:

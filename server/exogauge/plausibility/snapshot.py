@@ -31,7 +31,7 @@ class Snapshot:
     q, dq, ddq: (N, J). acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
     late: (LAGS, N, J) the same, from so much later; lags: (LAGS,) [s].
-    wrenches: (N, S, 6) world on robot, in sensor frames.
+    wrenches: (N, S, 6) world on robot, in sensor frames. late_wrenches: (LAGS, N, S, 6) the same, from so much later.
     alive: (J,) bool, an effort is logged and is not one number throughout.
     zeros: (J,) share of exact zeros among a logged effort's samples in motion. still: (J,) bool, the position is one
     number throughout. recording: that the log is, or is a stretch of. criteria: by which it is compared.
@@ -48,6 +48,7 @@ class Snapshot:
     late: Array
     lags: Array
     wrenches: Array
+    late_wrenches: Array
     alive: NDArray[np.bool_]
     zeros: Array
     still: NDArray[np.bool_]
@@ -89,7 +90,9 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     far = min(round(criteria.delay_latest_s * rate), len(q) // 10)
     steps = _shifts(round(criteria.delay_far_s * rate), settle, far)
     acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
-    wrenches = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name)))[at] for sensor in robot.contacts]
+    read = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name))) for sensor in robot.contacts]
+    wrenches = np.stack(read, axis=1) if read else np.zeros((len(q), 0, 6))
+    shifted = [np.clip(at + step, 0, len(q) - 1) for step in steps]
     return Snapshot(
         log=log.name,
         q=q[at],
@@ -99,9 +102,10 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         gyro=gyro,
         gyro_dot=gyro_dot,
         effort=effort[at],
-        late=np.stack([effort[np.clip(at + step, 0, len(q) - 1)] for step in steps]),
+        late=np.stack([effort[each] for each in shifted]),
         lags=steps / rate,
-        wrenches=np.stack(wrenches, axis=1) if wrenches else np.zeros((len(at), 0, 6)),
+        wrenches=wrenches[at],
+        late_wrenches=np.stack([wrenches[each] for each in shifted]),
         alive=alive,
         zeros=zeros,
         still=still,

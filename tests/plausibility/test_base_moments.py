@@ -1,9 +1,10 @@
-"""Two feet whose columns were exchanged are named, and no joint for them; feet as they are raise no doubt."""
+"""Feet whose columns were exchanged, or that are late, are named, and no joint for them; others raise no doubt."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from tests.discrepancy.test_partial_names import AXES, FEET, record, robot  # noqa: F401
 
@@ -38,3 +39,23 @@ def test_feet_as_they_are_raise_no_doubt(robot: Robot, logs: list[Log]) -> None:
 def test_a_leg_with_a_wrong_sign_is_no_exchange(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
     turned = [replace(each, channels=each.channels | {"tau.left_leg": -each.channels["tau.left_leg"]}) for each in logs]
     assert {(channel, rule) for _, channel, rule in said(robot, turned)} == {("tau.left_leg", "effort_reversed")}
+
+
+@pytest.mark.parametrize("milliseconds", [-150, 120, 300])
+def test_feet_of_another_clock_are_told_with_the_time_and_nothing_else(
+    robot: Robot,  # noqa: F811
+    logs: list[Log],
+    milliseconds: int,
+) -> None:
+    def late(log: Log) -> Log:
+        shift = milliseconds // 5  # samples
+        read = {name: np.roll(each, shift) if name.startswith("ft.") else each for name, each in log.channels.items()}
+        cut = slice(abs(shift), len(log.time) - abs(shift))
+        return replace(log, time=log.time[cut], channels={name: each[cut] for name, each in read.items()})
+
+    found = list(examine_against_robot(robot, [late(each) for each in logs]))
+    assert [(log, each.channel, each.rule) for log, each in found] == [
+        (each.name, "ft.*", "wrench_clock") for each in logs
+    ]
+    for _, each in found:
+        assert each.value == pytest.approx(1e-3 * milliseconds, abs=max(0.015, 0.1e-3 * abs(milliseconds)))

@@ -1,0 +1,105 @@
+"""What moments about the base tell of contact sensors: columns that were exchanged, as the load goes from one to the
+other, and another clock than that of the positions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.contacts import ContactPaths
+from exogauge.plausibility.delay import summit
+from exogauge.plausibility.snapshot import Snapshot
+from exogauge.robots.description import Robot
+from exogauge.robots.regressor import regressor
+
+Array = NDArray[np.float64]
+
+MOMENTS = slice(3, 6)  # of the base's rows
+
+
+@final
+@dataclass(frozen=True)
+class Exchanged:
+    """Two contact sensors, by number. before, after: of how much the moments that they give change, the share that
+    bodies as described do not ask for; as it was read, and the other way round."""
+
+    pair: tuple[int, int]
+    before: float
+    after: float
+
+    def undo(self, seen: Snapshot) -> Snapshot:
+        order = list(range(seen.wrenches.shape[1]))
+        for one, other in (self.pair, self.pair[::-1]):
+            order[one] = other
+        return replace(seen, wrenches=seen.wrenches[:, order], late_wrenches=seen.late_wrenches[:, :, order])
+
+
+@final
+@dataclass(frozen=True)
+class Late:
+    """Of one log. seconds: > 0 late. before, after: as in `Exchanged`, as it was read, and taken from that much later.
+    shift: the place of the nearest among the snapshot's lags."""
+
+    seconds: float
+    before: float
+    after: float
+    shift: int
+
+    def undo(self, seen: Snapshot) -> Snapshot:
+        return replace(seen, wrenches=seen.late_wrenches[self.shift])
+
+
+def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | None:
+    """In all of the logs. None where the load does not go from one to another, so that no moment tells them apart."""
+    if not robot.tree.floating or len(robot.contacts) < 2 or not seen:
+        return None
+    criteria = seen[0].criteria
+    asked, given = [_asked(robot, each) for each in seen], [_given(robot, each) for each in seen]
+    swings = _rms(given)
+    before = _rms([a - b for a, b in zip(asked, given, strict=True)])
+    if swings <= 0.0 or before < criteria.sides_before * swings:
+        return None
+    found = []
+    for pair in combinations(range(len(robot.contacts)), 2):
+        tried = Exchanged(pair, before / swings, 0.0)
+        other = [_given(robot, tried.undo(each)) for each in seen]
+        found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
+    best = min(found, key=lambda each: each.after)
+    return best if best.after < criteria.sides_falls * best.before else None
+
+
+def late_contacts(robot: Robot, seen: Snapshot) -> Late | None:
+    """All of the sensors alike. None where bodies as described are not left half unasked for, or by hardly any time."""
+    if not robot.tree.floating or not robot.contacts:
+        return None
+    criteria, asked = seen.criteria, _asked(robot, seen)
+    given = [_given(robot, replace(seen, wrenches=each)) for each in seen.late_wrenches]
+    left = np.array([_rms([asked - each]) for each in given])
+    best, at_once = int(np.argmin(left)), int(np.argmin(np.abs(seen.lags)))
+    swings = _rms([given[at_once]])
+    if best in (0, len(left) - 1) or swings <= 0.0 or left[best] > criteria.delay_far_falls * left[at_once]:
+        return None
+    seconds = summit(seen.lags[best - 1 : best + 2], -(left[best - 1 : best + 2] ** 2))
+    if abs(seconds) < max(criteria.delay_least_s, criteria.delay_samples / seen.rate_hz):
+        return None
+    return Late(seconds, float(left[at_once]) / swings, float(left[best]) / swings, best)
+
+
+def _asked(robot: Robot, seen: Snapshot) -> Array:
+    """(N, 3) by the bodies as described."""
+    return np.asarray(regressor(robot.tree, seen.motion)[:, MOMENTS] @ robot.phi_in(seen.recording).ravel())
+
+
+def _given(robot: Robot, seen: Snapshot) -> Array:
+    """(N, 3) by the sensors."""
+    return ContactPaths(robot).effect(seen.q, seen.wrenches)[:, MOMENTS]
+
+
+def _rms(logs: Sequence[Array]) -> float:
+    """About each log's mean: where a centre of mass is not as described, a constant is left."""
+    return float(np.sqrt(np.mean(np.concatenate([each - each.mean(axis=0) for each in logs]) ** 2)))
