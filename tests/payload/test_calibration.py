@@ -73,7 +73,7 @@ MIXED = np.diag(GAINS) + 0.008 * np.array(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("matrix", [1.02 * np.eye(6), np.diag(GAINS), ONE, MIXED], ids=["alike", "gains", "one", "all"])
+@pytest.mark.parametrize("matrix", [1.02 * np.eye(6), ONE, MIXED], ids=["alike", "one", "all"])
 def test_a_sensor_that_nobody_calibrated_misleads_nobody(matrix: Array, tmp_path: Path) -> None:
     errors, streamed = [], []
     for seed in range(2):
