@@ -5,7 +5,7 @@
 - `holds`, `statics`, `turned_axes`: postures at rest: mass, centre, zero, inclination; axes that are others
 - `dynamics`, `total_least_squares`, `clock_offset`: motion: the inertia, and how far the noise of both sides counts
 - `calibration`: gains and crosstalk of the sensor: what is taken out, and the doubt that stays
-- `contact`, `remainder`, `missing`: what touches, what is left, what a rigid body does not explain
+- `contact`, `touches`, `remainder`, `missing`: what touches, what is left, what a rigid body does not explain
 - `stages`, `evaluate`, `compute`: the recipe, step by step, whole, and as a job
 - `results`, `schema`, `tables`, `report`, `summary`, `exports`: what is told, for machines and people
 - `planning`: what to record

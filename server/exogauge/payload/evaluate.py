@@ -13,7 +13,7 @@ from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.findings.verdict import Caveat
 from exogauge.payload.calibration import Calibration, Declared, calibrate, uncalibrated
-from exogauge.payload.contact import Compensation, false_alarm_limit
+from exogauge.payload.contact import Compensation
 from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
@@ -35,22 +35,13 @@ from exogauge.payload.stages import (
     stated_sign,
 )
 from exogauge.payload.statics import Holds, static_stage
+from exogauge.payload.touches import Touch, found_touches, zeroed
 from exogauge.progress import Doing, Stage, Staged, nobody
 
 Array = NDArray[np.float64]
 
 MOVED: tuple[Role, ...] = ("excitation", "test", "contact")
 NO_DOUBT = np.zeros((18, 18))
-
-
-@final
-@dataclass(frozen=True)
-class Touch:
-    """A contact: span [s], largest force of the environment on the payload (3,) [N] in {S}."""
-
-    start: float
-    end: float
-    force: Array
 
 
 @final
@@ -188,8 +179,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     moving_zero = any(each.effect.startswith("zero") for each in (*missing.found, *missing.suspected))
-    contact, of_contact = _zeroed(payload, stages.compensation, clean.contact, moving_zero, criteria)
-    touches, thresholds = _touches(payload, stages.compensation, contact, sign, criteria)
+    contact, of_contact = zeroed(payload, stages.compensation, clean.contact, moving_zero, criteria)
+    touches, thresholds = found_touches(payload, stages.compensation, contact, sign, criteria)
     touched = postures.touched if postures else ()
     warnings = [*saturation(payload, criteria), *told_clocks(payload), *_told_noise(payload, logs), *touched, *said,
                 *of_contact, *stages.warnings, *_doubts(stages, rigid, missing, criteria)]  # fmt: skip
@@ -411,48 +402,6 @@ def _tests(
     return out
 
 
-def _zeroed(
-    payload: Payload, compensation: Compensation, contact: Sequence[Moved], moving: bool, criteria: Criteria
-) -> tuple[list[Moved], list[str]]:
-    """Logs of contact with a zero of their own taken off, where one constant is what alarms through most of a log, and
-    other logs show that the zero moves; and what is said of it. moving: whether they do."""
-    out, said, most = list[Moved](), list[str](), criteria.payload.touched
-    limit = false_alarm_limit(criteria.payload_dynamic.zero_alarms)
-    for recording, each in zip(payload.of("contact"), contact, strict=True):
-        found = compensation.touched(each.motion, each.wrench, limit)
-        constant = np.median(found.external, axis=0)
-        without = replace(each, wrench=each.wrench - constant)
-        share = float(np.mean(compensation.touched(each.motion, without.wrench, limit).alarm))
-        if np.mean(found.alarm) < most or share > most * float(np.mean(found.alarm)):
-            out.append(each)
-            continue
-        force = float(np.linalg.norm(constant[:3]))
-        told = f"{recording.name}: {force:.3g} N stand there in {100 * np.mean(found.alarm):.0f} % of the time. "
-        taken = "Other logs show a zero that moves: taken for that, and off."
-        said.append(told + (taken if moving else "A zero that has moved looks like that, and so does a lasting touch."))
-        out.append(without if moving else each)
-    return out, said
-
-
-def _touches(
-    payload: Payload, compensation: Compensation, contact: Sequence[Moved], sign: int, criteria: Criteria
-) -> tuple[dict[str, tuple[Touch, ...]], dict[str, float]]:
-    """Contacts by log, and the force [N] that counts as one."""
-    touches: dict[str, tuple[Touch, ...]] = {}
-    thresholds: dict[str, float] = {}
-    for recording, touched in zip(payload.of("contact"), contact, strict=True):
-        rate = payload.file.settings.false_alarms_per_hour
-        external = compensation.external(touched.motion, touched.wrench)
-        touches[recording.name] = tuple(
-            _touch(span, touched.motion.time, -sign * external)
-            for span in compensation.contacts(touched.motion, touched.wrench, rate, criteria.payload_dynamic)
-        )
-        period = float(np.median(np.diff(touched.motion.time)))
-        limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
-        thresholds[recording.name] = float(limit.max())
-    return touches, thresholds
-
-
 def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array]]:
     """What keeps of (T, 6) what lies below the cut-off, if there is one, and the samples then to be trusted."""
     low_pass = low_pass_of(payload.file.settings.cutoff_hz, time)
@@ -494,11 +443,6 @@ def _compensation(
         x, covariance = prior.value, np.zeros((16, 16))
         covariance[np.ix_(known, known)] = prior.covariance[np.ix_(known, known)]
     return Compensation(x, covariance, gravity, sign, std_of(payload))
-
-
-def _touch(span: tuple[float, float], time: Array, on_payload: Array) -> Touch:
-    inside = on_payload[(time >= span[0]) & (time <= span[1]), :3]
-    return Touch(span[0], span[1], inside[int(np.argmax(np.linalg.norm(inside, axis=1)))])
 
 
 def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteria) -> ImuFrame | None:
