@@ -27,9 +27,12 @@ def one_way(m):
     return 0.8 * np.maximum(m.v, 0.0) ** 1.1
 
 
-def late(m):
-    """What arrives was logged 30 ms before."""
-    return np.stack([np.interp(m.t + 0.03, m.t, drive) for drive in m.drive.T], axis=1) - m.drive
+def late_by(seconds):
+    """What arrives was logged so long before."""
+    return lambda m: np.stack([np.interp(m.t + seconds, m.t, drive) for drive in m.drive.T], axis=1) - m.drive
+
+
+late = late_by(0.03)
 
 
 def named(found):
@@ -161,6 +164,14 @@ def test_one_delay_of_all_joints_is_one_finding(search, study):
 
 def test_a_delay_of_one_joint_stays_at_that_joint(search, study, on_joint):
     assert named(search(study(on_joint(1, late)))) == [("torque_delay", "joint", "j2")]
+
+
+@pytest.mark.parametrize("seconds", [0.15, 0.25])
+def test_a_size_at_the_edge_of_what_can_be_is_no_name_where_more_than_noise_is_left(search, study, on_joint, seconds):
+    found = search(study(on_joint(1, late_by(seconds)))).discrepancy
+    assert found.findings == ()
+    assert [each.channel for each in found.unexplained] == ["tau.j2"]
+    assert {each.objection.why for each in found.rejected if each.effect == "torque_delay"} == {Why.AT_ITS_EDGE}
 
 
 def test_progress_rises_and_ends_at_one(identified, study, on_joint):

@@ -162,8 +162,10 @@ def test_missing_values_are_refused_unless_gaps_are_asked_for(tmp_path: Path) ->
     assert np.flatnonzero(np.isnan(read_log(path, "log", allow_gaps=True).channels["q.a"])).tolist() == [5, 7]
 
 
-@pytest.mark.parametrize("cell", ["inf", "-Infinity", "1e999"])
-def test_infinite_values_are_refused_even_where_gaps_are_allowed(cell: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "cell", ["inf", "-Infinity", "1e999", "1.65e203", "-3.4028235e38"]
+)  # the last: FLT_MAX, for "none"
+def test_what_no_reading_can_be_is_refused_even_where_gaps_are_allowed(cell: str, tmp_path: Path) -> None:
     (found,) = faults(put(tmp_path, PLAIN.replace("0.5,0.25", f"0.5,{cell}")), allow_gaps=True)
     assert (found.row, found.column) == (6, "q.a")
 

@@ -30,6 +30,12 @@ class Logs:
     fewest_samples: int = criterion(
         10, "samples", "of a log: a difference of 6th order takes seven", judgement(READING)
     )
+    largest: float = criterion(
+        1e30,
+        "1",
+        "that a value may be, in the file's own unit: beyond any reading, and its square is still a number",
+        judgement(READING),
+    )
     most_faults: int = criterion(20, "faults", "of one file that are told: nobody reads on", judgement(READING))
     rotation: float = criterion(
         1e-4, "1", "by which R R' may differ from one: a matrix that was printed with four digits", judgement(READING)

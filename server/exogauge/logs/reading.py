@@ -121,11 +121,14 @@ def time_faults(time: Array, file: str, column: str, first: int = 0) -> list[Fau
 
 
 def value_faults(values: Array, file: str, column: str, *, allow_gaps: bool, first: int = 0) -> list[Fault]:
-    """Missing (NaN) and infinite values of one column, each named by its first row and how many more there are."""
-    if np.isfinite(values).all():
+    """Missing (NaN) values of one column, and those that no reading can be, infinite ones too; each named by its first
+    row and how many more there are."""
+    beyond = ~(np.abs(values) <= LOGS.largest)
+    if not beyond.any():
         return []
+    beyond &= ~np.isnan(values)
     faults = list[Fault]()
-    checks = [(np.isinf(values), "the value is infinite or beyond any number", "not_finite", "Correct or remove it.")]
+    checks = [(beyond, "the value is infinite or beyond any reading", "not_finite", "Correct or remove it.")]
     if not allow_gaps:
         advice = "Remove these rows or split the log there; nothing is filled in silence."
         checks.insert(0, (np.isnan(values), "the value is missing", "missing_value", advice))

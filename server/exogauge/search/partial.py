@@ -11,8 +11,10 @@ import numpy as np
 
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Objection, Why
+from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import BaseSite, SensorSite
+from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
 from exogauge.search.search import taken_out
@@ -27,6 +29,9 @@ def without_partial_names(
     too. findings: of all steps. declared: channels that stood above their noise before anything was named, and whether
     declared uncertainties explain all of that; what a sensor or the base has wrong on no others goes, too. A joint's
     effect stays: what is declared may be another one in each log, and the effect foretold them all alike.
+
+    A size at the edge of what such an effect can be is no measurement: something else pulls it there, where more is
+    left than noise.
 
     What acts on many channels at once moves a little of each, also of one that lacks something else, and most shapes of
     a joint's are a little like each other. Where one explains hardly anything of any channel, one that stands above its
@@ -63,15 +68,28 @@ def _objection(
     criteria = search.problem.settings.criteria.judging
     share = _share(search, finding, number, channels)
     most = _most(search, number, channels) if len(channels) > 1 else share
-    if share >= criteria.mostly and most >= criteria.hardly:
+    edge = _at_its_edge(search.steps[number].added, found)
+    if share >= criteria.mostly and most >= criteria.hardly and not edge:
         return None
-    bar = criteria.far_above if most >= criteria.hardly else criteria.above
+    bar = criteria.far_above if most >= criteria.hardly and not edge else criteria.above
     known = 1e-3  # of what is left: a lower floor is that of rounding
     for channel in channels:
         left, floor = _held_out(found, channel)
         if np.isfinite(left) and left >= bar * floor >= known * left:
+            if edge:
+                return Objection(Why.AT_ITS_EDGE, left / floor, of=(channel,))
             return Objection(Why.PARTIAL, max(share, 0.0), left / floor, of=(channel,))
     return None
+
+
+def _at_its_edge(added: AddedEffect, found: Identification) -> bool:
+    """Whether a coefficient ends where its range does, of those whose range ends elsewhere than at none at all."""
+    rounding = 1e-3  # of the range's end, as far as a bounded fit reaches it
+    for quantity, value in zip(added.effect.coefficients, coefficients(found.model, added), strict=True):
+        ends = [end for end in (quantity.low, quantity.high) if np.isfinite(end) and end != 0.0]
+        if any(abs(value - end) <= rounding * abs(end) for end in ends):
+            return True
+    return False
 
 
 def _share(search: Search, finding: Finding, number: int, channels: Sequence[str]) -> float:
