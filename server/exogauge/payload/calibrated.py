@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from exogauge.payload.both_stages import Logs, Stages
 from exogauge.payload.calibration import Declared, calibrate, uncalibrated
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing
+from exogauge.payload.missing.sensor_effects import such_as_a_sensor_has
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
@@ -27,7 +29,7 @@ def calibrated(
     still, moving = logs.still_stretches(stages), list[Stretch]()
     if stages.excitation is not None:
         moving = [each.without(stages.excitation.left_out) for each in logs.stretches("excitation", stages)]
-    inclined = stages.postures is not None and stages.postures.chosen.inclined
+    inclined = stages.postures is None or stages.postures.chosen.inclined  # without postures nobody knows
     frame = Frame(stages.gravity, logs.sign, stages.body)
     found = calibrate(sensor, [*still, *moving], frame, inclined, take=take, scale=scale)
     if found.taken.any():
@@ -51,7 +53,7 @@ def in_place_of_named(
     """With gains and crosstalk of all axes at once in place of what was named, where these are such as a sensor has and
     leave nothing above the noise; None where they do not."""
     criteria = logs.criteria
-    found, clean = calibrated(logs, stages, sensor, missing.late_doubt, take=True)
+    found, clean = calibrated(logs, stages, sensor, missing.slight_doubt, take=True)
     assert found.calibration is not None
     assert found.exact is not None
     left = dict[str, Array]()
@@ -59,6 +61,9 @@ def in_place_of_named(
         external = found.compensation.external(each.motion, each.wrench)
         left[each.name] = np.sqrt(np.mean((external / each.floor)[each.use] ** 2, axis=0))
     above = any(bool(np.any(ratios > criteria.judging.above)) for ratios in left.values())
-    if above or found.calibration.evidence < criteria.payload.worth:
+    E = found.calibration.taken
+    absurd = any(not such_as_a_sensor_has(float(E[i, k]), criteria.payload) for i, k in product(range(6), repeat=2)
+                 if (i < 3) == (k < 3))  # fmt: skip
+    if above or absurd or found.calibration.evidence < criteria.payload.worth:
         return None
     return found, clean, missing.with_sensor(found.calibration, left, criteria)

@@ -17,7 +17,7 @@ from exogauge.payload.by_method import left_by_method, taken_to_be_level
 from exogauge.payload.calibrated import calibrated, in_place_of_named
 from exogauge.payload.contact import Compensation
 from exogauge.payload.contract import Role
-from exogauge.payload.doubts import doubts, told_clocks, told_noise
+from exogauge.payload.doubts import doubts, told_at_rest, told_clocks, told_noise, told_weight
 from exogauge.payload.imu import ImuFrame
 from exogauge.payload.intake import Payload
 from exogauge.payload.limits import saturation
@@ -91,6 +91,7 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     tests = left_by_method(stages, rigid, level, logs, told.clean)
     warnings = [*saturation(payload, criteria), *told_clocks(payload), *told_noise(logs),
                 *(postures.touched if postures else ()), *said, *of_contact, *stages.warnings,
+                *told_weight(payload, stages, criteria), *told_at_rest(logs, stages),
                 *doubts(stages, rigid, missing, criteria)]  # fmt: skip
     return Evaluation(
         payload, logs.sign, stages, rigid, level, tests, touches, thresholds, imu, missing,
@@ -161,16 +162,16 @@ def _with_what_is_missing(logs: Logs, stages: Stages, missing: Missing, progress
             return _Told(found, stages, clean, instead)
     if not missing.in_the_model:
         holds_good = missing.decision.verdict in ("none", "undecided")
-        if missing.late is not None:
-            stages = logs.stages(stages.postures, stages.warnings, missing.late_doubt)
-        found, clean = calibrated(logs, stages, sensor, missing.late_doubt, take=holds_good)
+        if missing.slight_doubt.any():
+            stages = logs.stages(stages.postures, stages.warnings, missing.slight_doubt)
+        found, clean = calibrated(logs, stages, sensor, missing.slight_doubt, take=holds_good)
         return _Told(found, None, clean, missing)
-    rigid, _ = calibrated(logs, stages, sensor, missing.late_doubt, take=False)
+    rigid, _ = calibrated(logs, stages, sensor, missing.slight_doubt, take=False)
     clean = logs.without(missing.courses)
     if missing.of_body:
         progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
         stages = clean.stages(*clean.still(), missing.doubt)
-    elif missing.late is not None:
+    elif missing.slight_doubt.any():
         stages = logs.stages(stages.postures, stages.warnings, missing.doubt)
     found, clean = calibrated(clean, stages, sensor, missing.doubt, take=True, scale=rigid.scale)
     return _Told(found, rigid, clean, missing)

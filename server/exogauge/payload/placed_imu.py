@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.errors import BadStudy, Fault
-from exogauge.payload.imu import ImuFrame, find_axes, find_lag
+from exogauge.payload.imu import ImuFrame, farther_lag, find_axes, find_lag
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.prepare import moving, rows_of
 from exogauge.payload.stages import Postures
@@ -49,6 +49,12 @@ def placed_imu(payload: Payload, postures: Postures, gravity: Array, criteria: C
     if not carrying:
         return frame
     found = find_lag(frame, rows, criteria.payload_static)
+    other = farther_lag(found, rows, criteria.payload_static)
+    if other is not None and imu is not None:
+        detail = f"the IMU is about {abs(other):.2f} s {'late' if other > 0 else 'early'} against wrench and pose"
+        advice = "All must be stamped when they were measured, by one clock; or state `imu.delay_s`."
+        file = carrying[0].acceleration.file if carrying[0].acceleration else ""
+        raise BadStudy(Fault(detail, "clocks_apart", advice, file, None, imu.acceleration[0], f"{other:.2f} s"))
     return replace(found, lag_std_s=float(np.hypot(found.lag_std_s, max(map(_clocks_std, carrying)))))
 
 
