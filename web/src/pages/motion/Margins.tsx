@@ -24,7 +24,7 @@ export function Margins({ found }: { found: Found }) {
         </Text>
       )}
       {alone ? (
-        <WideTable label="Balance and distances" columns={["", "Planned", "Frame by frame"]}>
+        <WideTable label="Balance and distances" columns={["What is left", "Planned", "Frame by frame"]}>
           {left(margins).map(([what, planned], k) => (
             <Table.Tr key={what}>
               <Table.Th scope="row">{what}</Table.Th>
