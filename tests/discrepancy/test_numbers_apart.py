@@ -105,16 +105,22 @@ def test_what_a_heavier_link_would_add_to_a_planned_motion_is_what_pinocchio_say
 
 
 @pytest.mark.slow
-def test_the_motion_tells_a_heavy_link_from_what_it_was_taken_for(heavy, tmp_path: Path) -> None:
-    arm, recordings, found = heavy
-    (finding,) = found.discrepancy.findings
-    assert {finding.effect, *(each.effect for each in finding.also_possible)} >= {"kt_gain", "payload"}
-    assert finding.apart
+@pytest.mark.parametrize(("seed", "currents"), [(8, False), (11, True)])
+def test_the_motion_tells_a_heavy_link_from_what_it_was_taken_for(tmp_path: Path, seed: int, currents: bool) -> None:
+    """In logs that move the last joint alone its gain looks the same: what other joints feel says which. They never
+    moved, so that how well they are measured is not known, and counts as much as that of the one that did."""
+    arm = PoorArm(seed, "link_mass", LAST, 0.7, DOUBT, currents)
+    recordings = logs_of(arm, "alone", seed)
+    (finding,) = found_in(arm, tmp_path / "before", recordings).discrepancy.findings
+    assert finding.effect == "kt_gain"
+    (pair,) = finding.apart
+    assert (pair.rival, pair.place) == ("payload", f"l{JOINTS[LAST]}")
     (motion,) = finding.plans
+    assert any(np.ptp(motion.q[:, k]) > 0.1 for k in (0, 1))
     table, rate = np.concatenate([motion.q] * motion.repeats), 1.0 / (motion.time[1] - motion.time[0])
-    more = [Recording(arm.played(name, table, rate, seed), held) for name, seed, held in
+    more = [Recording(arm.played(name, table, rate, noise), held) for name, noise, held in
             (("planned", 77, False), ("again", 78, True))]  # fmt: skip
-    (after,) = found_in(arm, tmp_path, [*recordings, *more]).discrepancy.findings
+    (after,) = found_in(arm, tmp_path / "after", [*recordings, *more]).discrepancy.findings
     assert after.effect in ("payload", "link_mass")  # of a last link the two are one
     assert after.place.name == f"l{JOINTS[LAST]}"
     assert "kt_gain" not in {each.effect for each in after.also_possible}

@@ -68,7 +68,7 @@ def new_rows(
     share = _kept_rate(model, room) * (log.samples / log.rate_hz) / len(samples)  # of the rows that a log would have
     place = np.full(model.equations.size, -1, dtype=np.intp)
     place[kept] = np.arange(len(kept))
-    root = np.sqrt(share * model.solution.weights)
+    root = np.sqrt(share * _weights(model))
     A, c = [np.zeros((0, len(kept)))], [np.zeros((0, sum(each.width for each in doubt.contenders)))]
     x = model.solution.unbounded.x
     for _, chunks in model.equations.rows(replace(prepared, kept=samples), x):
@@ -133,6 +133,17 @@ def _rate(model: RobotModel, room: Room, choice: Choice | Moving) -> float:
     minutes = isinstance(choice, Choice) and choice.sweep.seconds > 100.0
     times, least = (4.0, 20.0) if minutes else (6.0, 40.0)  # of the cut-off, and [Hz]
     return room.rate_hz / max(1, int(room.rate_hz / max(times * model.cutoff_hz, least)))
+
+
+def _weights(model: RobotModel) -> Array:
+    """(rows,) 1/variance of each kind of row. An axis that never moved in the logs has none: it counts as much as the
+    worst that did, or a motion of more than the joint in question would tell nothing."""
+    weights, axes = model.solution.weights.copy(), np.zeros(len(model.solution.weights), dtype=bool)
+    axes[model.equations.layout.axes] = True
+    unseen = axes & (weights <= 0.0)
+    if unseen.any() and (axes & ~unseen).any():
+        weights[unseen] = weights[axes & ~unseen].min()
+    return weights
 
 
 def _kept_rate(model: RobotModel, room: Room) -> float:
