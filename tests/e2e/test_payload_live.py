@@ -74,3 +74,28 @@ def test_a_push_is_seen_on_the_page_while_it_is_streamed(
         with page.expect_download() as download:
             row.get_by_role("link").click()
         assert pq.read_table(download.value.path()).num_rows == len(rows)
+
+
+def test_why_a_stream_is_not_to_be_believed_and_what_its_doubt_holds_stand_on_the_page(
+    page: Page, service: Service, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    folder = tmp_path / "sample"
+    write_payload_sample(folder, 3, ["hose"])
+    file = folder / "payload.yaml"
+    file.write_text(re.sub(r"\nuncertainty: .*", "", file.read_text()))
+    table = pq.read_table(folder / "logs" / "contact.parquet")
+    with Client(service.url) as client:
+        payload = client.upload_payload(folder)
+        page.goto(f"/payloads/{payload.id}")
+        with client.live(payload, rate_hz=RATE_HZ) as stream:
+            live = page.locator(f"[data-live='{stream.stream}']")
+            expect(live).to_be_visible()
+            rows = np.column_stack([table[name].to_numpy() for name in stream.columns])[: 2 * RATE_HZ]
+            for k in range(0, len(rows), AT_ONCE):
+                stream.send(rows[k : k + AT_ONCE])
+                list(stream.received())
+                time.sleep(AT_ONCE / RATE_HZ)
+            expect(live.get_by_role("alert")).to_contain_text("nothing explains: what is told live does not hold")
+            expect(live).to_contain_text("1 % of each axis, 1 % that all share, 1 % of crosstalk")
+            screenshot("payload-live-in-doubt")
+            stream.end()

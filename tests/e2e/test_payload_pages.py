@@ -164,6 +164,34 @@ def test_what_the_model_lacks_is_told_with_its_size(
     screenshot("payload-missing")
 
 
+def test_what_the_sensors_calibration_was_found_to_be_is_told_with_its_doubt(
+    page: Page, service: Service, identified: str, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    """Of a sensor of which nothing is stated; a simulated one is stated to be exact."""
+    write_payload_sample(tmp_path / "sensor", 12, ["crosstalk@my_fx", "gain@fz"])
+    file = tmp_path / "sensor" / "payload.yaml"
+    file.write_text(re.sub(r"\nuncertainty: .*", "", file.read_text()))
+    with Client(service.url) as client:
+        payload = client.upload_payload(tmp_path / "sensor")
+        job = client.wait(client.identify_payload(payload), progress=False)
+        found = client.results(job)["calibration"]
+    page.goto(f"/payloads/{payload.id}")
+    section = page.get_by_role("region", name="Calibration of the sensor")
+    expect(section).to_contain_text("1 % of each axis, 1 % that all share, 1 % of crosstalk (not stated;")
+    expect(section).to_contain_text("is taken out of every wrench")
+    cell = section.locator("tr[data-channel=τ_y]").get_by_role("cell").first
+    told, doubt = (float(each.replace("−", "-")) for each in cell.inner_text().split(" ± "))
+    assert told == pytest.approx(found["taken_out"][4][0], abs=0.06 * found["std"][4][0])
+    assert doubt == pytest.approx(found["std"][4][0], rel=0.06)
+    expect(cell).to_have_attribute("data-sure", "true")
+    mass = section.locator("tr[data-doubt=m]").get_by_role("cell")
+    assert float(mass.nth(3).inner_text()) > 3.0  # times as doubtful as with an exact sensor
+    screenshot("payload-calibration")
+    page.goto(identified)
+    expect(page.get_by_role("heading", name="What the model lacks")).to_be_visible()
+    expect(section).to_have_count(0)
+
+
 def test_an_export_moves_into_the_flange_as_it_is_typed(page: Page, identified: str) -> None:
     page.goto(identified)
     shown = page.get_by_test_id("export")

@@ -100,6 +100,29 @@ def test_a_sensor_that_nobody_calibrated_misleads_nobody(matrix: Array, tmp_path
         assert np.abs(z).max() < 4.0
 
 
+@pytest.mark.slow
+def test_gains_and_crosstalk_that_are_told_are_those_of_the_sensor_within_their_doubt(tmp_path: Path) -> None:
+    """Of gains, how they differ: what they have in common is told with a doubt that holds it, as no log shows it."""
+    z, common, taken_out, spread = list[Array](), list[float](), 0.0, 0.0
+    for seed in range(3):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        foreign.write(folder, seed, spoil=foreign.wrench(lambda w: w @ MIXED.T))
+        told = results(evaluate(open_payload(folder))).calibration
+        assert told is not None
+        assert told.taken_out is not None
+        E, mean = MIXED - np.eye(6), float(np.diag(MIXED).mean()) - 1.0
+        apart, true = np.array(told.taken_out) - told.common[0] * np.eye(6), E - mean * np.eye(6)
+        z.append((apart - true) / np.array(told.std))
+        common.append((told.common[0] - mean) / told.common[1])
+        taken_out, spread = taken_out + np.sum((apart - true)[:3, :3] ** 2), spread + np.sum(true[:3, :3] ** 2)
+        assert 0.008 < told.common[1] < 0.06
+    assert np.mean(np.abs(z) < 1.96) > 0.85
+    assert np.abs(z).max() < 4.0
+    assert np.abs(common).max() < 3.0
+    assert taken_out < 0.25 * spread
+
+
 def cable(_name: str, table: Array) -> Array:
     """Pulls as the last joints turn, 0.1 m from the sensor."""
     pull = np.sin(table[:, [5]]) * [3.0, -4.0, 2.5] + (np.cos(table[:, [4]]) - 0.6) * [-2.0, 1.5, 3.0]

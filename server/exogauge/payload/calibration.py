@@ -114,12 +114,39 @@ class Calibration:
         lift = _lift(*_equations(of, body, self.inclined)[:2])
         return np.asarray(lift @ (C + np.outer(E, E)) @ lift.T)
 
+    def left(self, body: Array) -> tuple[Array, float]:
+        """(6, 6) std of what E still is beside `taken`, of gains against their mean, and that of their mean.
+        body: (10,)."""
+        E, C = self.known(body)
+        of_mean, gains = np.eye(6).ravel() / 6.0, np.arange(0, 36, 7)
+        apart = np.eye(36)
+        apart[gains] -= of_mean
+        about = C + np.outer(E, E)
+        each = np.sqrt(np.einsum("ij,jk,ik->i", apart, about, apart))
+        return each.reshape(6, 6), float(np.sqrt(of_mean @ about @ of_mean))
+
     def known(self, body: Array, more: Sequence[Seen] = ()) -> tuple[Array, Array]:
         """(36,) row by row what is left of E, and (36, 36) its covariance, by all that was read."""
         S, r = _of_sensor(*_equations([*self.still, *self.moving, *more], body, self.inclined))
         R, before = self.root, -self.taken.ravel()
         inner = np.linalg.inv(R.T @ S @ R + np.eye(R.shape[1]))
         return before + R @ (inner @ (R.T @ (r - S @ before))), R @ inner @ R.T
+
+
+def said_of(found: Calibration) -> str:
+    """What is taken of the sensor, in a sentence or two; nothing of one that is exact."""
+    if found.exact:
+        return ""
+    shares = (found.declared.gain, found.declared.common, found.declared.crosstalk)
+    kinds = ("of each axis", "that all share", "of crosstalk")
+    said = ", ".join(f"{100 * share:.3g} % {kind}" for share, kind in zip(shares, kinds, strict=True))
+    said += " (not stated; `uncertainty` of payload.yaml)." if found.declared.defaulted else "."
+    if max(found.scale) > 1.0:
+        more = (
+            f"{of} {times:g} times" for of, times in zip(("gains", "crosstalk"), found.scale, strict=True) if times > 1
+        )
+        said += f" Axes differ by more, so that all is taken to be as large: {', '.join(more)}."
+    return said
 
 
 def uncalibrated(declared: Declared) -> Calibration:

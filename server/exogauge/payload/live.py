@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
-from exogauge.payload.calibration import Calibration
+from exogauge.payload.calibration import Calibration, said_of
 from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps, zero_of
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows, reading_of_mu
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
@@ -68,7 +68,7 @@ class Known:
     """At `time` [s]. threshold: [N] force that counts as contact in this posture, in its least certain direction.
     left_out: samples in or beside an alarm, which were not used. late: [s] by which wrenches are late, and its std,
     which is taken off; None where they are not, as far as is known. in_doubt: why the estimate is not to be believed:
-    sentences."""
+    sentences. calibration: what every std holds of the sensor's; empty where it is exact."""
 
     time: float
     estimate: Estimate
@@ -76,6 +76,7 @@ class Known:
     left_out: int
     late: tuple[float, float] | None = None
     in_doubt: tuple[str, ...] = ()
+    calibration: str = ""
 
 
 @final
@@ -91,6 +92,7 @@ class Live:
         self.track.retimed.late = 0.0 if start.late is None else start.late[0]
         self.fit = self._begun(named=start.late is not None)
         self._told_late = start.late
+        self._calibration = "" if start.calibration is None else said_of(start.calibration)
         self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
         self.given = 0  # samples that came out
         self.left_out = 0
@@ -164,7 +166,7 @@ class Live:
             self._told_late = self._late(estimate)
             yield Known(
                 float(motion.time[-1]), self.fit.doubted(estimate), threshold, self.left_out, self._told_late,
-                self._in_doubt(estimate),
+                self._in_doubt(estimate), self._calibration,
             )  # fmt: skip
 
     def _begun(self, *, named: bool) -> LiveFit:

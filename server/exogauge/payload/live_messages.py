@@ -48,6 +48,7 @@ def payload_message(known: Known, counts: Counts, rate_hz: float) -> dict[str, A
         "late_ms": None if known.late is None else 1e3 * known.late[0],
         "late_std_ms": None if known.late is None else 1e3 * known.late[1],
         "in_doubt": list(known.in_doubt),
+        "calibration": known.calibration,
         "used_s": found.used / rate_hz,
         "left_out_s": known.left_out / rate_hz,
         "counts": dict(counts.plain()),

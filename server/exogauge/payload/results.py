@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exogauge import __version__
 from exogauge.criteria.criterion import Z95, entries
 from exogauge.criteria.payload_dynamic import USUAL, Moving
+from exogauge.payload.calibration import said_of as said_of_sensor
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
 from exogauge.payload.evaluate import Evaluation, Stages
@@ -226,17 +227,14 @@ def _calibration(stages: Stages) -> CalibrationResults | None:
     if found is None or exact is None or found.exact:
         return None
     without = {each.name: each.std for each in _told_of(_dynamic(exact, None, USUAL), _static(exact))}
-    shares = (found.declared.gain, found.declared.common, found.declared.crosstalk)
-    kinds = ("of each axis", "that all share", "of crosstalk")
-    said = [", ".join(f"{100 * share:.3g} % {kind}" for share, kind in zip(shares, kinds, strict=True))]
-    said[0] += " (not stated; `uncertainty` of payload.yaml)." if found.declared.defaulted else "."
-    if max(found.scale) > 1.0:
-        said.append("Axes differ by more: gains are taken {:g}, crosstalk {:g} times as large.".format(*found.scale))
-    said.append(f"With an exact sensor the mass would be known to {without['m']:.2g} kg.")
+    std, common = found.left(stages.body)
+    said = f"{said_of_sensor(found)} With an exact sensor the mass would be known to {without['m']:.2g} kg."
+    declared = found.declared
     return CalibrationResults(
-        ft_gain=shares[0], ft_gain_common=shares[1], ft_crosstalk=shares[2],
-        defaulted=sorted(found.declared.defaulted), worse=found.scale,
-        taken_out=found.taken.tolist() if found.taken.any() else None, std_without=without, said=" ".join(said),
+        ft_gain=declared.gain, ft_gain_common=declared.common, ft_crosstalk=declared.crosstalk,
+        defaulted=sorted(declared.defaulted), worse=found.scale,
+        taken_out=found.taken.tolist() if found.taken.any() else None, std=std.tolist(),
+        common=(float(np.diag(found.taken).mean()), common), std_without=without, said=said,
     )  # fmt: skip
 
 

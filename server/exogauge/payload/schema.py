@@ -103,8 +103,9 @@ class CalibrationResults(_Part):
     each axis, of a gain that all share, of what an axis reads of another one. defaulted: which of them nobody stated.
     worse: by how many times gains and crosstalk are worse than that, as axes differ: taken so. taken_out: (6, 6) share
     that a channel reads of another one, forces then moments, N and N·m, that was taken out of all wrenches; None where
-    none was. std_without: of each number, what its standard deviation would be with an exact sensor. said: in a
-    sentence."""
+    none was. common: mean of the six gains that was taken out, and the standard deviation of what is left of it. std:
+    (6, 6) the same of each share, of gains against their mean. std_without: of each number, what its standard deviation
+    would be with an exact sensor. said: in a sentence."""
 
     ft_gain: float
     ft_gain_common: float
@@ -112,6 +113,8 @@ class CalibrationResults(_Part):
     defaulted: list[str]
     worse: tuple[float, float]
     taken_out: list[list[float]] | None
+    std: list[list[float]] = []
+    common: tuple[float, float] = (0.0, 0.0)
     std_without: dict[str, float]
     said: str
 

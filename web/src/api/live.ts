@@ -18,6 +18,10 @@ export type PayloadSaid = {
   mu: number | null;
   mu_std: number | null;
   threshold_n: number | null;
+  late_ms: number | null;
+  late_std_ms: number | null;
+  in_doubt: string[];
+  calibration: string;
   counts: Record<string, number>;
 };
 type Said = WrenchSaid | PayloadSaid | { type: "missed"; messages: number } | { type: "error"; detail: string } | { type: "stream" | "welcome" | "ended" };

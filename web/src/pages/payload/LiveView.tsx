@@ -1,9 +1,10 @@
-import { Group, NativeSelect, Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
-import { useMemo, useState } from "react";
+import { Alert, Group, List, NativeSelect, Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
+import { useMemo, useState, type ReactNode } from "react";
 
 import { useWatched, type Alarm, type Course, type LiveStream, type Watched } from "../../api/live";
 import { fixed, isNumber, NONE, plusMinus, significant } from "../../parts/digits";
 import { FactList } from "../../parts/FactList";
+import { Said } from "../../parts/Said";
 import { TimePlot } from "../../parts/TimePlot";
 import { Uncertain } from "../../parts/Uncertain";
 import { When } from "../../parts/When";
@@ -38,6 +39,7 @@ export function LiveView({ stream }: { stream: LiveStream }) {
       <Stack gap="md">
         {seen.line === "opening" && <Text size="sm">Waiting for the first answer of the stream.</Text>}
         {seen.line === "closed" && <Text size="sm">The line is closed: what is shown is old. It is tried again every 3 s.</Text>}
+        {seen.payload && seen.payload.in_doubt.length > 0 && <InDoubt why={seen.payload.in_doubt} />}
         <Group align="flex-start" gap="xl" wrap="wrap">
           <div style={{ flex: "1 1 20rem" }}>
             <FactList facts={factsOf(seen, touched)} />
@@ -55,6 +57,21 @@ export function LiveView({ stream }: { stream: LiveStream }) {
         {seen.payload && <Known seen={seen} />}
       </Stack>
     </Paper>
+  );
+}
+
+/** Why the numbers below are not to be believed. */
+function InDoubt({ why }: { why: string[] }) {
+  return (
+    <Alert color="orange" variant="default" title="Not to be believed">
+      <List size="sm">
+        {why.map((words) => (
+          <List.Item key={words}>
+            <Said words={words} />
+          </List.Item>
+        ))}
+      </List>
+    </Alert>
   );
 }
 
@@ -99,10 +116,10 @@ function Converging({ course }: { course: Course }) {
   );
 }
 
-function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean): [string, string][] {
+function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean): [string, ReactNode][] {
   const force = forceOf({ payload, missed, error, ...seen });
   const size = force && Math.hypot(...force);
-  const facts: [string, string][] = [
+  const facts: [string, ReactNode][] = [
     ["Alarm", touched ? "something touches" : "none"],
     ["Contact force [N]", force ? force.map((value, k) => `${AXES[k]} ${plusMinus(value, seen.std[k])}`).join(", ") : NONE],
     ["Size and direction", touched && force && size ? `${significant(size)} N towards (${force.map((value) => fixed(value / size, 2)).join(", ")})` : "no more than chance"],
@@ -113,6 +130,8 @@ function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean)
       ["State", STATES[payload.state] ?? payload.state],
       ["Counts as contact from", `${significant(payload.threshold_n)} N`],
       ["μ", plusMinus(payload.mu, payload.mu_std)],
+      ...(payload.late_ms === null ? [] : [["Wrench late by [ms]", plusMinus(payload.late_ms, payload.late_std_ms)] as [string, string]]),
+      ...(payload.calibration ? [["± holds the sensor’s calibration", <Said key="calibration" words={payload.calibration} />] as [string, ReactNode]] : []),
       ["Samples", `${counts["taken"]} taken, ${LOST.reduce((sum, name) => sum + (counts[name] ?? 0), 0)} dropped, ${counts["late"]} late`],
     );
   }

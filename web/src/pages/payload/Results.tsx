@@ -3,6 +3,7 @@ import { Alert, List, Stack, Text, Title } from "@mantine/core";
 import type { Payload, PayloadResults } from "../../api/payloads";
 import { plusMinus, significant } from "../../parts/digits";
 import { Said } from "../../parts/Said";
+import { Calibration } from "./Calibration";
 import { Contacts } from "./Contacts";
 import { Missing } from "./Missing";
 import { Remainders } from "./Remainders";
@@ -19,7 +20,7 @@ export function Results({ payload, results }: { payload: Payload; results: Paylo
         <Stack gap="xs">
           <Text style={{ maxWidth: "60rem" }}>{sentences(results).join(" ")}</Text>
           {results.warnings.length > 0 && (
-            <Alert color="yellow" variant="outline" title="Read with care">
+            <Alert color="orange" variant="default" title="Read with care">
               <List size="sm">
                 {results.warnings.map((warning) => (
                   <List.Item key={warning}>
@@ -33,6 +34,7 @@ export function Results({ payload, results }: { payload: Payload; results: Paylo
         </Stack>
       </section>
       <Remainders payload={payload} results={results} />
+      <Calibration results={results} />
       <Missing missing={results.missing ?? null} />
       <Contacts results={results} />
     </>
