@@ -1,4 +1,4 @@
-"""A command loads what it uses: one process loads one after the other, and tells what it has loaded."""
+"""A command loads what it uses: a process loads one after the other, and tells what it has loaded."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ import pytest
 
 SHELL = {"fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "dbos", "httpx", "viser", "mujoco"}
 PAGES = {"matplotlib", "fpdf", "jinja2"}
+SLOW = {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.interpolate", "scipy.spatial"}  # half a second or more
+OPEN = """
+import exogauge.payload.intake, exogauge.studies.intake.admit, exogauge.studies.intake.open
+import exogauge.studies.series.recorded_motion
+"""
 DOCTOR = """
 import exogauge.studies.intake.admit, exogauge.studies.intake.open
 import exogauge.studies.results.examine_logs, exogauge.studies.words.notices
@@ -29,22 +34,31 @@ except SystemExit:
 
 STEPS = {  # each loads what those before it do, and more; and what it does not
     "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
-    "effects": (EFFECTS, {*SHELL, *PAGES, "numba", "pyarrow"}),
+    "effects": (EFFECTS, {*SHELL, *PAGES, *SLOW, "numba", "pyarrow"}),
+    "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
     "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
     "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
-    "service": ("import exogauge.api.app", {"mujoco", "numba"}),
 }
+SERVICE = {"mujoco", "numba", "scipy", "pinocchio", "pyarrow", *PAGES}
+
+
+def loaded_after(*steps: str) -> list[set[str]]:
+    """Modules after each of the steps."""
+    script = "\n".join(f"{step}\nimport sys; print('loaded', *sys.modules)" for step in steps)
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    return [set(line.split()[1:]) for line in told.splitlines() if line.startswith("loaded ")]
 
 
 @pytest.fixture(scope="module")
 def loaded() -> dict[str, set[str]]:
-    """Top-level modules after each of the steps."""
-    script = "\n".join(f"{step}\nimport sys; print('loaded', *sys.modules)" for step, _ in STEPS.values())
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
-    found = [line.split()[1:] for line in told.splitlines() if line.startswith("loaded ")]
-    return {step: {name.partition(".")[0] for name in names} for step, names in zip(STEPS, found, strict=True)}
+    return dict(zip(STEPS, loaded_after(*(step for step, _ in STEPS.values())), strict=True))
 
 
 @pytest.mark.parametrize("step", STEPS)
 def test_what_a_command_does_not_use_is_not_loaded(step: str, loaded: dict[str, set[str]]) -> None:
     assert not loaded[step] & STEPS[step][1]
+
+
+def test_a_service_loads_no_numerics() -> None:
+    (loaded,) = loaded_after("import exogauge.api.app")
+    assert not loaded & SERVICE

@@ -10,7 +10,7 @@ import pytest
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.bandwidth import LOWEST_HZ, Trial, choose_cutoff, noise_of_acceleration
 from exogauge.identification.identify import identify
-from exogauge.identification.preparation import prepare, suggested_cutoff
+from exogauge.identification.preparation import prepare, suggested_cutoffs
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.turns import rest_detection
 from exogauge.remarks import About
@@ -23,7 +23,7 @@ Tried = partial(Trial, keeps_most=True, keeps_judged=True)
 def robot_and_log(make_truth, make_log):
     truth = make_truth(False)
     log = make_log(truth, seed=1, seconds=10.0, noise=0.05)
-    return truth.robot, log, suggested_cutoff(truth.robot, [log])
+    return truth.robot, log, suggested_cutoffs(truth.robot, [log])[0]
 
 
 def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log, monkeypatch):
@@ -38,6 +38,23 @@ def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log, monkey
     assert choose_cutoff(robot, [log], log.rate_hz, trial) == first / 2
     assert tried[:3] == [first, first / 2, first / 4]  # and no lower one, once that made it worse
     assert len(tried) == 4  # one step up, which gained nothing
+
+
+def test_the_fast_log_says_what_serves_and_not_a_longer_calm_one_nor_a_snippet(make_truth, make_log):
+    """A calm log of 15 s, a usual one of 10 s and one of 3 s that is faster still."""
+    truth = make_truth(False)
+    calm, usual, snippet = (
+        make_log(truth, seed=seed, seconds=seconds, noise=0.05, fastest=fastest)
+        for seed, seconds, fastest in ((1, 15.0, 0.1), (2, 10.0, 0.8), (3, 3.0, 1.6))
+    )
+    asked = set()
+
+    def trial(log, cutoff_hz):
+        asked.add(log.name)
+        return Tried(0.0)
+
+    choose_cutoff(truth.robot, [calm, usual, snippet], usual.rate_hz, trial)
+    assert asked == {usual.name}
 
 
 @pytest.mark.parametrize("left", [lambda x: abs(x), lambda x: -x, lambda x: x, lambda x: 0.0, lambda x: np.inf])

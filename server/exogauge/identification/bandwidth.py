@@ -16,7 +16,7 @@ from exogauge.criteria.logs import LOGS
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
-from exogauge.identification.preparation import Prepared, prepare, suggested_cutoff
+from exogauge.identification.preparation import Prepared, prepare, suggested_cutoffs
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import FOLDS, PASSES, solve
@@ -61,7 +61,9 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     """[Hz] the lowest that predicts left-out blocks as well as the best does and keeps most of every axis' motion, in
     the log that is fitted and in the one that judges; in the former alone, where no cut-off does both.
 
-    Tried from the cut-off that the spectra suggest, downwards and upwards, in octaves, on the longest of the logs.
+    Tried from the highest cut-off that the spectra suggest, downwards and upwards, in octaves, on the log that suggests
+    it, of those at least half as long as the longest: a calm one would say that a low one serves, and what only fast
+    motion shows be lost.
     Downwards, because elastic vibration and current ripple often call for less bandwidth than the sensors could give.
     Upwards, because a slow motion's positions bear little bandwidth, but what is left out around every turn lasts as
     long as the low-pass: so slow a one may leave no row, or rows in one direction only. Where nothing that is as good
@@ -70,9 +72,11 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     log that is to be predicted, bears.
     """
     halvings = 5  # at most: below the positions' own bandwidth by a factor of 32
-    log = max(logs, key=lambda one: one.samples)
+    suggested, longest = suggested_cutoffs(robot, logs), max(one.samples for one in logs)
+    long_enough = [pair for pair in zip(suggested, logs, strict=True) if pair[1].samples >= longest / 2]
+    _, log = max(long_enough, key=lambda pair: (pair[0], pair[1].samples))
     highest = min(LOGS.fastest * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
-    first = min(suggested_cutoff(robot, logs), highest)
+    first = min(max(suggested), highest)
     lower = (first / 2.0**number for number in range(1, halvings + 1))
     downwards = [first, *takewhile(lambda hz: hz >= LOWEST_HZ, lower)]
     doubled = (first * 2.0**number for number in range(1, 64))

@@ -9,7 +9,7 @@ expressed in the base link, so that neither its pose nor its velocity is needed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
@@ -295,12 +295,26 @@ class Equations:
 
     def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:
         """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
+        return self._stretches(prepared, x, weights, length, lambda chunk, _: chunk.residual(x))
+
+    def curved(self, prepared: Prepared, x: Array, weights: Array, length: int, steps: Array) -> Array:
+        """(blocks, P) w A^T A of each stretch times its own step: (blocks, P)."""
+
+        def moved(chunk: Chunk, stretch: IntArray) -> Array:
+            return np.asarray(np.einsum("nk,nk->n", chunk.block[:, :-1], steps[np.ix_(stretch, chunk.columns)]))
+
+        return self._stretches(prepared, x, weights, length, moved)
+
+    def _stretches(
+        self, prepared: Prepared, x: Array, weights: Array, length: int, of: Callable[[Chunk, IntArray], Array]
+    ) -> Array:
+        """(blocks, P) sums of w A^T v. of: v (n,) of a chunk whose rows lie in these stretches."""
         sums = np.zeros((-(-len(prepared.kept) // length), self.size))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
                 stretch = chunk.samples // length
                 starts = np.flatnonzero(np.diff(stretch, prepend=-1))
-                scored = chunk.block[:, :-1] * (weights[chunk.kind] * chunk.residual(x))[:, None]
+                scored = chunk.block[:, :-1] * (weights[chunk.kind] * of(chunk, stretch))[:, None]
                 sums[np.ix_(stretch[starts], chunk.columns)] += np.add.reduceat(scored, starts, axis=0)
         return sums
 

@@ -225,7 +225,7 @@ class _Doubted:
 def _doubted(made: _Made) -> _Doubted:
     """Of the solution before its bias is taken off."""
     equations, fitted, solution = made.equations, made.fitted, made.solution
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
+    meat = score_covariance(equations, fitted, solution)
     factor = common_factor(equations, solution, meat)
     k_T = motor_gain(equations, split(equations, _lifted(solution)))
     inputs = type_b(equations, fitted, solution, k_T, made.cutoff_hz)

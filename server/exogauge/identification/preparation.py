@@ -159,8 +159,8 @@ def channel_of_row(robot: Robot, number: int) -> str:
     return BASE_CHANNELS[row.component] if row.type == RowType.BASE else f"tau.{robot.joints[row.place].name}"
 
 
-def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
-    """[Hz] the highest cut-off that any fitted log calls for: what its positions can bear, and its gyro."""
+def suggested_cutoffs(robot: Robot, logs: Sequence[Log]) -> list[float]:
+    """[Hz] of each log the cut-off that it calls for: what its positions can bear, and its gyro."""
     names = [f"q.{joint.name}" for joint in robot.joints]
 
     def of_log(log: Log) -> float:
@@ -173,7 +173,7 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
             bearable.append(GYRO_SHARE * suggest_cutoff(gyro, log.rate_hz, order=1))
         return min(bearable)
 
-    return max(side_by_side(of_log, logs))
+    return list(side_by_side(of_log, logs))
 
 
 def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:

@@ -93,7 +93,7 @@ def blocks(logs: WearLogs, e: Array) -> IntArray:
         used, time = logs.used[own], logs.time[own]
         rate = (len(time) - 1) / max(float(time[-1] - time[0]), 1e-9)
         left = np.where(used, e[own], 0.0)[:, used.any(axis=0)]
-        numbers[own] = start + np.arange(len(time)) // (block_length(left, rate) if left.shape[1] else len(time))
+        numbers[own] = start + np.arange(len(time)) // (block_length(left, rate)[0] if left.shape[1] else len(time))
         start = int(numbers[own][-1]) + 1
     return numbers
 

@@ -125,16 +125,16 @@ class _Servo:
         self.damping = np.array([d.damping / d.k_T for d in drives])
         self.most = np.array([d.effort / d.k_T for d in drives])
         self.step = step
-        self.angle, self.rate = np.round(start / step), np.zeros(len(start))
+        self.angle, self.rate = np.rint(start / step), np.zeros(len(start))
         self.share = 1.0 - np.exp(-2 * np.pi * _VELOCITY_FILTER_HZ * TIME_STEP)
 
     def current(self, angle: Array, angle_goal: Array, rate_goal: Array) -> Array:
         """(J,) [A]"""
-        counts = np.round(angle / self.step)
+        counts = np.rint(angle / self.step)
         self.rate += self.share * ((counts - self.angle) * (self.step / TIME_STEP) - self.rate)
         self.angle = counts
         wanted = self.stiffness * (angle_goal - counts * self.step) + self.damping * (rate_goal - self.rate)
-        stepped = np.round(wanted / COMMAND_STEP) * COMMAND_STEP
+        stepped = np.rint(wanted / COMMAND_STEP) * COMMAND_STEP
         return np.asarray(np.minimum(np.maximum(stepped, -self.most), self.most))
 
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,9 +22,17 @@ from exogauge.synthetic.payload_hidden import CHANNELS
 ALLOWED = 3.5  # standard deviations: one in two thousand is further off
 
 
-def found_in(folder, seed, hidden=None):
-    write_payload_sample(folder, seed, hidden)
-    return evaluate(open_payload(folder))
+@pytest.fixture(scope="module")
+def found_in(tmp_path_factory):
+    """(seed, what is hidden) -> (what an evaluation says, its folder): made once, however many tests look at it."""
+
+    @cache
+    def made(seed, *hidden):
+        folder = tmp_path_factory.mktemp("payload") / "p"
+        write_payload_sample(folder, seed, list(hidden) or None)
+        return evaluate(open_payload(folder)), folder
+
+    return made
 
 
 def one(missing):
@@ -44,8 +53,8 @@ def hidden_in(folder):
 
 
 @pytest.mark.slow
-def test_where_nothing_is_hidden_nothing_is_missing(tmp_path):
-    missing = found_in(tmp_path / "p", 3).missing
+def test_where_nothing_is_hidden_nothing_is_missing(found_in):
+    missing = found_in(3)[0].missing
     assert missing.decision.verdict == "none"
     assert not missing.found
     assert not missing.suspected
@@ -53,19 +62,20 @@ def test_where_nothing_is_hidden_nothing_is_missing(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_late_wrench_is_named_and_no_longer_taken_for_a_touch(tmp_path):
-    evaluation = found_in(tmp_path / "p", 3, ["delay"])
+def test_a_late_wrench_is_named_and_no_longer_taken_for_a_touch(found_in):
+    evaluation, folder = found_in(4, "delay")
     finding = one(evaluation.missing)
     assert (finding.effect, finding.rivals) == ("delay", ())
-    assert np.all(np.abs(off(finding, {"late": 1e3 * hidden_in(tmp_path / "p")["seconds"]})) < ALLOWED)
+    assert np.all(np.abs(off(finding, {"late": 1e3 * hidden_in(folder)["seconds"]})) < ALLOWED)
     assert not any("touched" in each for each in evaluation.warnings)
 
 
 @pytest.mark.slow
-def test_a_zero_that_jumps_is_named_with_its_moment(tmp_path):
-    finding = one(found_in(tmp_path / "p", 3, ["zero_step@excitation"]).missing)
+def test_a_zero_that_jumps_is_named_with_its_moment(found_in):
+    evaluation, folder = found_in(4, "zero_step@excitation")
+    finding = one(evaluation.missing)
     assert (finding.effect, finding.place) == ("zero_step", "excitation")
-    truth = dict(zip(CHANNELS, hidden_in(tmp_path / "p")["wrench"], strict=True)) | {"at": 4.998}
+    truth = dict(zip(CHANNELS, hidden_in(folder)["wrench"], strict=True)) | {"at": 4.998}
     assert np.all(np.abs(off(finding, truth)) < ALLOWED)
 
 
@@ -74,10 +84,11 @@ def test_a_zero_that_jumps_is_named_with_its_moment(tmp_path):
     ("zero_of_log@fast", "zero_of_log", "fast"), ("zero_drift", "zero_drift", "sensor"),
     ("crosstalk@my_fx", "crosstalk", "my of fx"), ("gain@fz", "gain", "fz"), ("spring", "spring", "xy"),
 ])  # fmt: skip
-def test_what_is_hidden_is_named_with_its_size(tmp_path, hidden, effect, place):
-    finding = one(found_in(tmp_path / "p", 4, [hidden]).missing)
+def test_what_is_hidden_is_named_with_its_size(found_in, hidden, effect, place):
+    evaluation, folder = found_in(4, hidden)
+    finding = one(evaluation.missing)
     assert (finding.effect, finding.place) == (effect, place)
-    truth = hidden_in(tmp_path / "p")
+    truth = hidden_in(folder)
     values = truth.get("wrench") or truth.get("rate")
     truth |= dict(zip(CHANNELS, values, strict=True)) if values else {}
     assert np.all(np.abs(off(finding, truth)) < ALLOWED)
@@ -89,10 +100,10 @@ HIDDEN = ["delay", "gain@fz", "crosstalk@my_fx", "zero_step@excitation", "spring
 
 @pytest.mark.slow
 @pytest.mark.parametrize("hidden", HIDDEN)
-def test_the_estimates_come_with_what_was_named(tmp_path, hidden):
+def test_the_estimates_come_with_what_was_named(found_in, hidden):
     """Body and inclination within their doubt of the truth, what is left at the noise; uncorrected, they are not."""
-    evaluation = found_in(tmp_path / "p", 4, [hidden])
-    found, truth = results(evaluation), json.loads((tmp_path / "p" / "truth.json").read_text(encoding="utf-8"))
+    evaluation, folder = found_in(4, hidden)
+    found, truth = results(evaluation), json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     assert found.missing.in_the_model
     tensor = np.array(truth["inertia_about_sensor"])[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
     x = np.array([truth["mass"], *truth["first_moment"], *tensor])
@@ -117,9 +128,9 @@ def test_the_estimates_come_with_what_was_named(tmp_path, hidden):
 
 
 @pytest.mark.slow
-def test_the_doubt_of_what_was_named_is_in_the_estimates(tmp_path):
+def test_the_doubt_of_what_was_named_is_in_the_estimates(found_in):
     """A body that takes a gain's doubt along is less certain than one whose gain is known."""
-    evaluation = found_in(tmp_path / "p", 4, ["gain@fz"])
+    evaluation, _ = found_in(4, "gain@fz")
     found = results(evaluation)
     added = evaluation.missing.doubt
     assert np.linalg.eigvalsh(added).min() > -1e-9 * np.linalg.eigvalsh(added).max()
@@ -136,13 +147,12 @@ def test_mu_says_the_cause_that_was_named():
 
 
 @pytest.mark.slow
-def test_damping_is_not_less_by_what_the_smoother_took_away(tmp_path):
+def test_damping_is_not_less_by_what_the_smoother_took_away(found_in):
     """By the fast part of smoothed accelerations it comes out at 55 to 94 % of the truth."""
     off_by, shares = [], []
-    for seed in (301, 302, 303, 304):
-        folder = tmp_path / str(seed)
-        finding = one(found_in(folder, seed, ["spring"]).missing)
-        truth = hidden_in(folder)
+    for seed in (4, 301, 302):
+        evaluation, folder = found_in(seed, "spring")
+        finding, truth = one(evaluation.missing), hidden_in(folder)
         off_by.append(off(finding, truth))
         damping = next(each for each in finding.parameters if each.name == "damping_ratio")
         shares.append((damping.value / truth["damping_ratio"], damping.std / damping.value))
@@ -152,8 +162,8 @@ def test_damping_is_not_less_by_what_the_smoother_took_away(tmp_path):
 
 
 @pytest.mark.slow
-def test_what_stands_in_no_list_is_unexplained(tmp_path):
-    evaluation = found_in(tmp_path / "p", 4, ["hose"])
+def test_what_stands_in_no_list_is_unexplained(found_in):
+    evaluation, _ = found_in(4, "hose")
     missing = evaluation.missing
     assert missing.decision.verdict == "unexplained"
     assert not missing.found
@@ -161,11 +171,12 @@ def test_what_stands_in_no_list_is_unexplained(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_body_that_hangs_loose_is_named_or_unexplained_and_its_size_not_told_where_errors_look_like_it(tmp_path):
-    missing = found_in(tmp_path / "p", 8, ["second_body"]).missing
+def test_a_body_that_hangs_loose_is_named_or_unexplained_and_its_size_not_told_where_errors_look_like_it(found_in):
+    evaluation, folder = found_in(8, "second_body")
+    missing = evaluation.missing
     assert missing.decision.verdict in ("effects", "unexplained")
     assert all(each.effect == "second_body" for each in missing.found)
-    truth = hidden_in(tmp_path / "p")
+    truth = hidden_in(folder)
     for each in missing.found:
         assert np.all(np.abs(off(each, truth | dict(zip("xyz", truth["point"], strict=True)))) < ALLOWED)
 
@@ -175,7 +186,8 @@ def test_of_an_exact_wrench_nothing_is_missing(tmp_path, monkeypatch):
     from exogauge.synthetic import payload as generator
 
     monkeypatch.setattr(generator, "measured", lambda q, wrench, _rng: (q, wrench))
-    missing = found_in(tmp_path / "p", 3).missing
+    write_payload_sample(tmp_path / "p", 3)
+    missing = evaluate(open_payload(tmp_path / "p")).missing
     assert not missing.found
     assert all(np.isfinite(each).all() for each in missing.after.values())
 

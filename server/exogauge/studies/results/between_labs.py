@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
-from exogauge.estimation.between_labs import Agreement, agreement
+if TYPE_CHECKING:
+    from exogauge.estimation.between_labs import Agreement
 
 Content = Mapping[str, Any]
 Measured = Mapping[str, Any]
@@ -128,6 +129,8 @@ def torques(content: Content, device: str) -> list[Torque]:
 def compared(rows: Sequence[Wearing], labs: Sequence[str]) -> list[Compared]:
     """labs: of each row, whose it is; rows newest first. Stiffness is one number of a group, a natural length of a
     band; torques are compared on robots of one name alone, in motions of one name."""
+    from exogauge.estimation.between_labs import agreement  # SciPy, which a service can do without
+
     found: dict[tuple[str, str, str], dict[str, tuple[int, float, float]]] = {}
     for k, (row, lab) in enumerate(zip(rows, labs, strict=True)):
         for what, unit, measured in told(row):
