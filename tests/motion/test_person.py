@@ -95,3 +95,12 @@ def test_a_body_that_does_not_stand_at_rest_is_refused_with_the_axis_to_say(tmp_
     assert refused.value.faults[0].rule == "not_upright"
     assert "--up" in (refused.value.faults[0].advice or "")
     assert person_of(open_motion(tmp_path / "bow.bvh", up="y")).hip_height == pytest.approx(0.85, abs=0.01)
+
+
+def test_a_person_is_as_tall_where_the_file_rests_with_its_legs_folded_up(tmp_path: Path) -> None:
+    """As iClone's do: the hips stood a leg below the ankles, and the pelvis moved the other way."""
+    folded = bvh(bow()).replace(b"OFFSET 0 -43 0", b"OFFSET 0 43 0").replace(b"OFFSET 0 -42 0", b"OFFSET 0 42 0")
+    (tmp_path / "folded.bvh").write_bytes(folded)
+    assert person_of(open_motion(tmp_path / "folded.bvh", up="y", unit="cm")).hip_height == pytest.approx(
+        0.85, abs=0.01
+    )

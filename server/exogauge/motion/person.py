@@ -110,10 +110,13 @@ def person_of(motion: HumanMotion) -> Person:
     left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
     hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
     ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
-    level, upright = np.hypot(left[0], left[1]), hips[2] - ankles[2]
-    if level < LEVEL * np.linalg.norm(left) or upright < LEVEL * np.linalg.norm(hips - ankles):
-        raise _fault(motion, "at rest the hips are not side by side above the ankles", "not_upright",
+    level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]
+    if level < LEVEL * np.linalg.norm(left) or trunk[2] < LEVEL * np.linalg.norm(trunk):
+        raise _fault(motion, "at rest the hips are not side by side below the chest", "not_upright",
                      "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
+    whole = float(np.linalg.norm(hips - ankles))
+    height = float(hips[2] - ankles[2])
+    height = whole if height < LEVEL * whole else height  # some files rest with their legs folded up
     left[2] = 0.0
     left /= np.linalg.norm(left)
     up = np.array([0.0, 0.0, 1.0])
@@ -129,7 +132,7 @@ def person_of(motion: HumanMotion) -> Person:
             limbs[part] = np.einsum("tji,tj->ti", thorax, along)
     return Person(
         motion.name, motion.time, tree.position[:, bones["pelvis"]], pelvis,
-        np.einsum("tji,tjk->tik", pelvis, thorax), limbs, float(upright), motion.contacts, motion.told,
+        np.einsum("tji,tjk->tik", pelvis, thorax), limbs, height, motion.contacts, motion.told,
         np.stack([tree.position[:, bones[part]] for part in ("l_foot", "r_foot")], axis=1),
     )  # fmt: skip
 
