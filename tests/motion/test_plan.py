@@ -311,6 +311,29 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
+def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
+    robot: MotionRobot, tmp_path: Path
+) -> None:
+    """Degrees were judged as if a robot turned its shoulder twenty times."""
+    q = np.zeros((20, len(robot.joints)))
+    q[:, robot.joints.index("torso_pitch")] = np.linspace(0.0, 40.0, 20)
+    q[:, robot.joints.index("l_knee_pitch")] = np.linspace(0.0, 30.0, 20)
+    head = ",".join(["t", *(f"q.{name}" for name in robot.joints)])
+
+    def table(name: str, angles: np.ndarray) -> Path:
+        np.savetxt(
+            tmp_path / name, np.column_stack([0.1 * np.arange(20), angles]), delimiter=",", header=head, comments=""
+        )
+        return tmp_path / name
+
+    with pytest.raises(BadMotion) as refused:
+        read_written(robot, table("degrees.csv", q))
+    assert (refused.value.faults[0].rule, refused.value.faults[0].column) == ("degrees", "q.torso_pitch")
+    beyond = np.radians(q)  # radians, one joint of them too far
+    beyond[:, robot.joints.index("torso_pitch")] *= 1.7  # 68°, and it bears 60°
+    assert read_written(robot, table("beyond.csv", beyond)).q.shape == (20, robot.model.nq)
+
+
 def weak(robot: MotionRobot, share: float) -> MotionRobot:
     """With that share of the torque that it has."""
     return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))
