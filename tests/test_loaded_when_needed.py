@@ -9,6 +9,11 @@ import pytest
 
 SHELL = {"fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "dbos", "httpx", "viser", "mujoco"}
 PAGES = {"matplotlib", "fpdf", "jinja2"}
+SLOW = {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.interpolate", "scipy.spatial"}  # half a second or more
+OPEN = """
+import exogauge.payload.intake, exogauge.studies.intake.admit, exogauge.studies.intake.open
+import exogauge.studies.series.recorded_motion
+"""
 DOCTOR = """
 import exogauge.studies.intake.admit, exogauge.studies.intake.open
 import exogauge.studies.results.examine_logs, exogauge.studies.words.notices
@@ -29,7 +34,8 @@ except SystemExit:
 
 STEPS = {  # each loads what those before it do, and more; and what it does not
     "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
-    "effects": (EFFECTS, {*SHELL, *PAGES, "numba", "pyarrow"}),
+    "effects": (EFFECTS, {*SHELL, *PAGES, *SLOW, "numba", "pyarrow"}),
+    "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
     "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
     "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
 }
@@ -37,11 +43,10 @@ SERVICE = {"mujoco", "numba", "scipy", "pinocchio", "pyarrow", *PAGES}
 
 
 def loaded_after(*steps: str) -> list[set[str]]:
-    """Top-level modules after each of the steps."""
+    """Modules after each of the steps."""
     script = "\n".join(f"{step}\nimport sys; print('loaded', *sys.modules)" for step in steps)
     told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
-    found = [line.split()[1:] for line in told.splitlines() if line.startswith("loaded ")]
-    return [{name.partition(".")[0] for name in names} for names in found]
+    return [set(line.split()[1:]) for line in told.splitlines() if line.startswith("loaded ")]
 
 
 @pytest.fixture(scope="module")

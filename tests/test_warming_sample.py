@@ -16,7 +16,7 @@ from exogauge.synthetic.log_plans import log_plans
 from exogauge.synthetic.study import write_study
 
 pytestmark = pytest.mark.slow
-LOGS = ("id_1", "id_2", "id_3", *(f"bend_{suit}_{n}" for suit, n in
+LOGS = ("id_1", "id_2", *(f"bend_{suit}_{n}" for suit, n in
         (("plain", 1), ("plain", 2), ("normal", 1), ("normal", 2), ("plain", 6), ("plain", 7))))  # fmt: skip
 
 

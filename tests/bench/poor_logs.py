@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 import mujoco
 import numpy as np
@@ -60,6 +60,8 @@ HIDDEN: dict[str, tuple[Callable[[Moved, float], Array], float]] = {  # (T, J) o
     "torque_ripple": (lambda m, s: s * np.sin(14.0 * m.q + 0.4), 0.4),
     "kt_saturation": (lambda m, s: s * np.sign(m.drive) * np.abs(m.drive / 10.0) ** 2.6, 0.5),
     "torque_delay": (_delayed, 0.02),
+    "kt_gain": (lambda m, s: s * m.drive, 0.15),
+    "link_mass": (lambda m, s: np.zeros_like(m.q), 0.3),  # it is in MuJoCo's model
     "presliding": (lambda m, s: -s * _since_turn(m.q, 0.03), 1.2),
 }
 
@@ -75,16 +77,25 @@ def _since_turn(q: Array, way: float) -> Array:
 
 @final
 class PoorArm:
-    """Three joints, drawn by `seed`. hides: a key of `HIDDEN`; joint: number of the one that has it."""
+    """Three joints, drawn by `seed`. hides: a key of `HIDDEN`; joint: number of the one that has it, or that the link
+    comes after. doubt: share by which the maker may be off in masses and centres, and is; None: more, and unsaid. It
+    is that of torque constants too, where `currents` are logged of all joints but the first."""
 
-    def __init__(self, seed: int, hides: str, joint: int, times: float = 1.0) -> None:
+    def __init__(
+        self, seed: int, hides: str, joint: int, times: float = 1.0, doubt: float | None = None, currents: bool = False
+    ) -> None:
         rng = np.random.default_rng(seed)
-        self.hides, self.joint, self.times = hides, joint, times
+        self.hides, self.joint, self.times, self.doubt = hides, joint, times, doubt
+        self.k_T = {JOINTS[1]: 5.0, JOINTS[2]: 3.0} if currents else {}
         axes = [("0 0 1", "0 1 0", "1 0 0"), ("0 0 1", "0 1 0", "0 1 0"), ("0 1 0", "0 0 1", "0 1 0")]
         self.axes = axes[seed % len(axes)]
         self.mass = np.array([4.0, 3.0, 2.0]) * rng.uniform(0.7, 1.4, 3)
         self.long = rng.uniform(0.22, 0.38, 3)
         self.wrong = rng.uniform(0.9, 1.15, (3, 2))  # true masses and centres over those that are stated
+        if doubt is not None:
+            self.wrong = 1.0 + doubt * rng.standard_normal((3, 2))
+        if hides == "link_mass":
+            self.wrong[joint, 0] *= 1.0 + HIDDEN[hides][1] * times
         self.k_d, self.tau_c = rng.uniform(0.3, 0.8, 3), rng.uniform(0.5, 1.2, 3)
         self.tau_o = rng.uniform(-0.3, 0.3, 3)
         spec = mujoco.MjSpec.from_string(self.urdf(true=True))
@@ -119,14 +130,23 @@ class PoorArm:
         """robot.yaml, as the maker states it."""
         made.mkdir(parents=True, exist_ok=True)
         (made / "robot.urdf").write_text(self.urdf())
-        content = {
+        content: dict[str, Any] = {
             "version": 1, "name": "arm", "urdf": "robot.urdf", "base": "fixed",
             "joints": [{"name": name, "actuation": "torque"} for name in JOINTS],
             "noise": {"q": ENCODER, "tau": NOISE}, "uncertainty": "none",
             "home": dict.fromkeys(JOINTS, 0.3), "limits": {"acceleration": 20.0},
         }  # fmt: skip
+        if self.doubt is not None:
+            content["inertial_prior_std"] = {"default": self.doubt}
+            content["joints"] = [self._joint(name, self.doubt) for name in JOINTS]
         (made / "robot.yaml").write_text(yaml.safe_dump(content))
         return made / "robot.yaml"
+
+    def _joint(self, name: str, doubt: float) -> dict[str, Any]:
+        if name not in self.k_T:
+            return {"name": name, "actuation": "torque"}
+        k = self.k_T[name]
+        return {"name": name, "actuation": "current", "prior": {"k_T": k}, "prior_std": {"k_T": doubt * k}}
 
     def moved(self, q: Array, rate_hz: float) -> Moved:
         """q (T, J) as a table of `rate_hz` says, played at `RATE_HZ`."""
@@ -149,7 +169,9 @@ class PoorArm:
         tau = m.drive + own * torque(m, size * self.times) + NOISE * rng.standard_normal(m.q.shape)
         measured = m.q + ENCODER * rng.standard_normal(m.q.shape)
         channels = {f"q.{each}": measured[:, j] for j, each in enumerate(JOINTS)}
-        return Log(name, m.t, channels | {f"tau.{each}": tau[:, j] for j, each in enumerate(JOINTS)})
+        for j, each in enumerate(JOINTS):
+            channels["i." + each if each in self.k_T else "tau." + each] = tau[:, j] / self.k_T.get(each, 1.0)
+        return Log(name, m.t, channels)
 
     def poor(self, name: str, style: str, seconds: float, seed: int) -> Log:
         """Every joint to and fro at steady speeds about .3 rad."""

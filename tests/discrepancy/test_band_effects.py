@@ -309,7 +309,7 @@ def test_the_truth_lies_within_a_few_standard_deviations(trunk, effect):
 def test_when_an_anchor_slips_is_told_as_sharply_as_it_is_known(trunk):
     """Half of it is gone 9.15 s into the fifth log; the error over several noises is what the std says it is."""
     off = []
-    for seed in range(1, 6):
+    for seed in range(1, 4):
         seen = gathered(trunk, ("left", "band_slip"), seed)
         before = sum(len(each.time) / RATE for each in seen.evidences[:4])
         moment = search(trunk, ("left", "band_slip"), seed).findings[0].parameters["moment"]

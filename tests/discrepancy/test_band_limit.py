@@ -48,7 +48,7 @@ def limits(robot, recordings):
     return band_limits(anew(recordings), recordings, anew)
 
 
-@pytest.mark.parametrize(("hz", "decimals"), [(2.0, 12), (5.0, 12), (2.0, 3), (5.0, 3)])
+@pytest.mark.parametrize(("hz", "decimals"), [(2.0, 3), (5.0, 12)])
 def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
     through = stored_through(butter(4, hz, fs=RATE, output="sos"))
 
@@ -61,6 +61,7 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
     cutoff = found.finding.parameters["cutoff"]
     assert abs(cutoff.value - hz) < 2.0 * cutoff.std
     assert cutoff.std < 0.1 * hz
+    assert (found.band.stored.late, abs(found.band.stored.order - 4) < 2) == (False, True)
     assert (found.finding.place.kind, found.finding.place.name) == ("log", "all")
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
@@ -80,8 +81,7 @@ def test_a_filter_of_another_shape_is_seen_too(robot, study, sections, both_ways
     assert 2.0 < found.band.cutoff.value < 4.0
 
 
-@pytest.mark.parametrize("late", [True, False], ids=["late", "there and back"])
-@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize(("order", "late"), [(2, True), (2, False), (4, True)])
 def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(robot, study, order, late):
     through = stored_through(butter(order, 3.0, fs=RATE, output="sos"), both_ways=not late)
     found = limits(robot, changed(study(), through))
@@ -92,7 +92,7 @@ def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(ro
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
 
-@pytest.mark.parametrize(("order", "hz"), [(1, 2.0), (1, 5.0), (2, 3.0), (3, 4.0)])
+@pytest.mark.parametrize(("order", "hz"), [(1, 5.0), (2, 3.0), (3, 4.0)])
 def test_a_gentle_low_pass_of_positions_and_torques_is_seen_by_the_noise_it_takes_along(robot, study, order, hz):
     rng = np.random.default_rng(order)
     through = stored_through(butter(order, hz, fs=RATE, output="sos"), both_ways=False)

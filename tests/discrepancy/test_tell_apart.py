@@ -279,7 +279,7 @@ def test_what_is_left_is_what_a_fit_of_all_rows_leaves(fast_only, doubt):
     """Logs, planned motion and prior stacked and solved at once."""
     model = with_next_log(fast_only.found.model)
     here, known = room(model, fast_only.logs), Known.of(doubt)
-    sweep = choices(model, here, [SWEPT], slow_change=False)[0]
+    sweep = choices(model, here, SWEPT.kinds(model.equations), [SWEPT.axis], slow_change=False)[0]
     new = new_rows(doubt, model, here, sweep, known.kept)
     after = known.after(new).left(3.0)
 
@@ -328,7 +328,7 @@ def test_no_choice_leaves_the_limits(robot, fast_only, speed):
     model = fast_only.found.model
     model = replace(model, equations=replace(model.equations, robot=tight), computed=PerLog())
     here = room(model, fast_only.logs)
-    every = choices(model, here, [SWEPT], slow_change=True)
+    every = choices(model, here, SWEPT.kinds(model.equations), [SWEPT.axis], slow_change=True)
     assert {each.sweep.kind for each in every} == {"speeds", "sine", "small"}
     for each in every:
         q = each.positions(here.posture, 100.0)
@@ -341,7 +341,7 @@ def test_no_choice_leaves_the_limits(robot, fast_only, speed):
 def test_a_motor_is_not_asked_for_more_than_it_has(robot, fast_only, doubt):
     model = with_next_log(fast_only.found.model)
     here, known = room(model, fast_only.logs), Known.of(doubt)
-    choice = choices(model, here, [SWEPT], slow_change=False)[0]
+    choice = choices(model, here, SWEPT.kinds(model.equations), [SWEPT.axis], slow_change=False)[0]
     assert new_rows(doubt, model, here, choice, known.kept) is not None
     weak = replace(robot, tree=replace(robot.tree, effort_limit=np.full(3, 0.5)))  # [N·m]; the arm weighs 9 kg
     too_weak = replace(model, equations=replace(model.equations, robot=weak), computed=PerLog())
@@ -351,7 +351,7 @@ def test_a_motor_is_not_asked_for_more_than_it_has(robot, fast_only, doubt):
 def test_only_the_swept_joint_and_its_companion_move(fast_only):
     model = fast_only.found.model
     here = room(model, fast_only.logs)
-    for each in choices(model, here, [SWEPT], slow_change=False):
+    for each in choices(model, here, SWEPT.kinds(model.equations), [SWEPT.axis], slow_change=False):
         log = as_log(model, here, each, 50.0)
         moved = {name for name in JOINTS if np.ptp(log.channels[f"q.{name}"]) > 0.0}
         assert moved == {JOINTS[k] for k in (each.lead, each.companion) if k is not None}

@@ -89,6 +89,9 @@ def test_a_dropped_capture_becomes_a_motion_of_a_robot(
     expect(trunk.get_by_role("row", name="torso_pitch")).to_contain_text("0.0 … 20.0")
     expect(page.locator("tr[data-bound=torque]")).to_contain_text("%")
     expect(page.get_by_text("The bound that binds first")).to_be_visible()
+    beside = page.get_by_role("region", name="Balance and distances: table")
+    expect(beside.get_by_role("row", name="Centre of pressure")).to_contain_text("mm inside")
+    expect(beside.get_by_role("row", name="Bounds broken")).to_contain_text("none")
     expect(page.locator(".u-over").first).to_be_visible(timeout=30_000)
     screenshot("motion-plan")
     with page.expect_download() as got:
@@ -107,6 +110,12 @@ def test_a_dropped_capture_becomes_a_motion_of_a_robot(
     page.locator("iframe").scroll_into_view_if_needed()
     bent = picture(page)
     assert changed(upright, bent) > 0.002
+    ghost = page.get_by_role("checkbox", name="frame by frame")
+    expect(ghost).not_to_be_checked()
+    ghost.check()
+    page.locator("iframe").scroll_into_view_if_needed()
+    page.wait_for_timeout(1_000)  # the player draws when it is told
+    assert changed(bent, picture(page)) > 0.002
     screenshot("motion-plan-3d")
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
+from tests.motion.captures import bow, bvh
 
+from exogauge.errors import BadMotion
+from exogauge.motion.files import open_motion
 from exogauge.motion.human import Contacts
-from exogauge.motion.person import Person
+from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.possible import nearest
 
 T = 40
@@ -79,3 +84,23 @@ def test_what_is_nearest_to_what_is_wanted_is_found(wanted: float, safe: float, 
     assert abs(found - edge) <= 0.05
     assert len(asked) < 10
     assert nearest(lambda _: False, wanted, safe, 0.05) is None
+
+
+@pytest.mark.parametrize("up", ["x", "-x", "-y", "z"])
+def test_a_body_that_does_not_stand_at_rest_is_refused_with_the_axis_to_say(tmp_path: Path, up: str) -> None:
+    """A wrong axis gave a division by zero, or a person as tall as a hair."""
+    (tmp_path / "bow.bvh").write_bytes(bvh(bow()))
+    with pytest.raises(BadMotion) as refused:
+        person_of(open_motion(tmp_path / "bow.bvh", up=up))
+    assert refused.value.faults[0].rule == "not_upright"
+    assert "--up" in (refused.value.faults[0].advice or "")
+    assert person_of(open_motion(tmp_path / "bow.bvh", up="y")).hip_height == pytest.approx(0.85, abs=0.01)
+
+
+def test_a_person_is_as_tall_where_the_file_rests_with_its_legs_folded_up(tmp_path: Path) -> None:
+    """As iClone's do: the hips stood a leg below the ankles, and the pelvis moved the other way."""
+    folded = bvh(bow()).replace(b"OFFSET 0 -43 0", b"OFFSET 0 43 0").replace(b"OFFSET 0 -42 0", b"OFFSET 0 42 0")
+    (tmp_path / "folded.bvh").write_bytes(folded)
+    assert person_of(open_motion(tmp_path / "folded.bvh", up="y", unit="cm")).hip_height == pytest.approx(
+        0.85, abs=0.01
+    )

@@ -27,6 +27,7 @@ from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import PRESSURE, at_home
 from exogauge.motion.plan.export import exported, sheet
+from exogauge.motion.plan.frame_by_frame import frame_by_frame
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.outcome import margins, motion_table, slow, summarise
 from exogauge.motion.plan.possible import what_would_do
@@ -215,6 +216,36 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, ra
     assert np.abs(off).max() <= 1.0
 
 
+def test_frame_by_frame_a_fast_bend_tips_over_with_its_feet_where_they_are_asked(robot: MotionRobot) -> None:
+    """What it is told to be is what MuJoCo sees; slowly, the same posture by posture is a motion that can be had."""
+    fast, told = frame_by_frame(robot, bend(robot, 0.9, 1.2), USUAL, 200.0)
+    seen = ByMuJoCo(robot, fast.spline, 200.0)
+    assert seen.inside.min() < 0.0
+    assert told.inside[1:-1] == pytest.approx(seen.inside, abs=1e-3)
+    assert told.outside == pytest.approx(np.mean(seen.inside < 0.0), abs=0.02)
+    assert told.feet_m == pytest.approx(np.linalg.norm(seen.feet - seen.feet[0], axis=2).max(), abs=1e-6)
+    assert told.feet_m < 2e-3  # what smoothing leaves
+    assert any(line.startswith("centre of pressure") for line in told.broken)
+    _, slowly = frame_by_frame(robot, bend(robot, 0.5, 8.0), USUAL, 200.0)
+    assert slowly.broken == ()
+    assert slowly.q[:, at(robot, "torso_pitch")].max() == pytest.approx(0.5, abs=0.005)
+
+
+def test_frame_by_frame_keeps_joints_in_their_range_and_the_feet_in_place_as_long_as_others_can_yield(
+    robot: MotionRobot,
+) -> None:
+    """Knees that are asked through their end: the pelvis stays lower instead, and no foot leaves its place."""
+    asked = bend(robot, 0.2, 4.0)
+    asked.q[:, 2] += 0.25 * (asked.q[:, at(robot, "torso_pitch")] - robot.home[at(robot, "torso_pitch")]) / 0.2
+    found, told = frame_by_frame(robot, asked, USUAL, 200.0)
+    given = found.spline.at_nodes()[0]
+    assert asked.q[:, 2].max() - given[:, 2].max() > 0.05
+    angles = given[:, robot.base :]
+    assert (angles > robot.limits.lower - 0.01).all()
+    assert (angles < robot.limits.upper + 0.01).all()
+    assert told.feet_m < 2e-3  # what smoothing leaves
+
+
 @pytest.mark.slow
 def test_stretches_that_are_planned_one_by_one_are_one_motion(robot: MotionRobot, bent) -> None:
     asked, planned = bent
@@ -278,6 +309,29 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     limp = replace(robot, limits=replace(robot.limits, torque=weak))
     said = judge(limp, planned.spline, asked.place[0], planned=planned).broken
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
+
+
+def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
+    robot: MotionRobot, tmp_path: Path
+) -> None:
+    """Degrees were judged as if a robot turned its shoulder twenty times."""
+    q = np.zeros((20, len(robot.joints)))
+    q[:, robot.joints.index("torso_pitch")] = np.linspace(0.0, 40.0, 20)
+    q[:, robot.joints.index("l_knee_pitch")] = np.linspace(0.0, 30.0, 20)
+    head = ",".join(["t", *(f"q.{name}" for name in robot.joints)])
+
+    def table(name: str, angles: np.ndarray) -> Path:
+        np.savetxt(
+            tmp_path / name, np.column_stack([0.1 * np.arange(20), angles]), delimiter=",", header=head, comments=""
+        )
+        return tmp_path / name
+
+    with pytest.raises(BadMotion) as refused:
+        read_written(robot, table("degrees.csv", q))
+    assert (refused.value.faults[0].rule, refused.value.faults[0].column) == ("degrees", "q.torso_pitch")
+    beyond = np.radians(q)  # radians, one joint of them too far
+    beyond[:, robot.joints.index("torso_pitch")] *= 1.7  # 68°, and it bears 60°
+    assert read_written(robot, table("beyond.csv", beyond)).q.shape == (20, robot.model.nq)
 
 
 def weak(robot: MotionRobot, share: float) -> MotionRobot:

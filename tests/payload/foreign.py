@@ -108,9 +108,10 @@ def stops(rng: np.random.Generator, count: int) -> tuple[Array, Array, Array]:
 def write(
     out: Path, seed: int, *, spoil: Spoil | None = None, colour: float = 0.0, postures: int = 14, seconds: float = 16.0,
     size: float = 0.4, sees: str | None = "payload_on_sensor", tests: bool = True,
+    shaken: tuple[int, ...] = (0, 1, 2, 3, 4),
 ) -> Truth:  # fmt: skip
     """payload.yaml, arm.urdf, still.csv, shake.csv and other.csv. colour: what one sample of the wrench's noise hands
-    on to the next."""
+    on to the next. shaken: joints that move in shake.csv."""
     rng = np.random.default_rng(seed)
     m, c = rng.uniform(1.5, 4.0), np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(0.05, 0.15)])
     root = rng.uniform(0.03, 0.12, 3)
@@ -123,6 +124,9 @@ def write(
     motions = {"still": stops(rng, postures)}
     for name, long in (("shake", seconds), ("other", 10.0)):
         motions[name] = waves(rng, np.arange(round(long * RATE)) * PERIOD, size)
+    q, v, a = motions["shake"]
+    moves = np.isin(np.arange(5), shaken)
+    motions["shake"] = (np.where(moves, q, HOME), v * moves, a * moves)
     for name, (q, v, a) in motions.items():
         R, w, al, acc = sensor(q, v, a)
         arm = R @ c

@@ -14,7 +14,7 @@ from exogauge.studies.evaluate import evaluate
 
 pytestmark = pytest.mark.slow
 
-DOUBTS = (0.02, 0.1, 0.3, 0.5)
+DOUBTS = (0.02, 0.1, 0.5)
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -64,6 +65,7 @@ def test_the_floor_shows_what_stands_then(tmp_path: Path, unpack: Callable[[byte
         np.arange(T) / 10.0, np.tile([0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0], (T, 1)), np.zeros((T, len(moving.joints))),
         np.zeros((T, 3)), np.full(T, 0.02), outline, np.repeat([0.0, 1.0], 4), stands, np.array([0.015]),
         np.full((T, 2, 3), np.nan), np.full(T, 0.03), np.zeros((T, len(moving.joints))), none, none,
+        np.zeros((0, 7)), np.zeros((0, len(moving.joints))),
     )  # fmt: skip
     played.write(tmp_path / "played.npz")
     read = Played.read(tmp_path / "played.npz")
@@ -74,7 +76,7 @@ def test_the_floor_shows_what_stands_then(tmp_path: Path, unpack: Callable[[byte
     assert (shown.sum(axis=1) == 1).all(), "one polygon at a time"
     assert shown[0].argmax() != shown[-1].argmax() != shown[1].argmax()
     with np.load(tmp_path / "played.npz") as file:
-        older = {name: file[name] for name in file.files if name not in ("foot", "stands")}
+        older = {name: file[name] for name in file.files if name not in ("foot", "stands", "ghost_base", "ghost_q")}
     np.savez(tmp_path / "older.npz", **older)
     scene = unpack(draw_played(described, urdf, lambda name: None, Played.read(tmp_path / "older.npz"),
                                list(moving.joints), None))  # fmt: skip
@@ -98,7 +100,15 @@ def test_person_and_robot_bow_together_and_the_pressure_stays_inside(
     joints = list(load_motion_robot(robot).joints)
     figure = read_figure(out / compute.FIGURE)
     scene = unpack(draw_played(described, urdf, lambda name: None, played, joints, figure))
-    assert set(scene.header["layers"]) >= {"robot", "person", "balance", "floor"}
+    assert set(scene.header["layers"]) >= {"robot", "person", "balance", "floor", "ghost"}
+    assert scene.header["hidden"] == ["ghost"]  # until somebody asks for it
+    (root,) = [each for each in scene.header["messages"] if each.get("name") == "/ghost" and "visible" in each]
+    assert root["visible"] is False
+    assert played.ghost_base[:, :3] == pytest.approx(played.base[:, :3], abs=0.2)
+    assert played.ghost_q[:, joints.index("torso_pitch")].max() == pytest.approx(np.radians(20.0), abs=0.01)
+    told = json.loads((out / compute.PLAN).read_text())["frame_by_frame"]
+    assert 0.0 <= told["outside"] <= 1.0
+    assert told["margins"]["feet_m"] < 1e-3
     bones = track(scene, "/person/bones")
     middle, first = bones[len(bones) // 2].reshape(-1, 3), bones[0].reshape(-1, 3)
     head = first[:, 2].argmax()

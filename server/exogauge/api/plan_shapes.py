@@ -105,6 +105,16 @@ class WouldDo(_Found):
 
 
 @final
+class FrameByFrameOut(_Found):
+    """What would have become of the motion, had each frame been taken by itself and then smoothed. outside: share of
+    samples in which the centre of pressure lies outside what the feet stand on. broken: bounds, in words."""
+
+    outside: float
+    margins: MarginsOut
+    broken: list[str]
+
+
+@final
 class CertainOut(_Found):
     """One parameter: its standard deviation before the motion is recorded, and then. decided: by the data. kind: null
     of plans of earlier versions."""
@@ -131,7 +141,8 @@ class CountOut(_Found):
 @final
 class PlanFound(_Found):
     """plan.json. broken: bounds that do not hold, in words; empty where all do. told: the same in words, by key.
-    counts: of base and joint parameters, to which those of links add nothing; empty in plans of earlier versions."""
+    counts: of base and joint parameters, to which those of links add nothing; empty in plans of earlier versions.
+    frame_by_frame: null of plans of earlier versions, of those that excite, and where nothing was planned."""
 
     kind: Kind
     robot: str
@@ -144,6 +155,7 @@ class PlanFound(_Found):
     broken: list[str]
     would_do: WouldDo | None
     told: dict[str, str | float | list[str]]
+    frame_by_frame: FrameByFrameOut | None = None
     parameters: list[CertainOut]
     counts: list[CountOut] = Field(default_factory=list)
 

@@ -206,7 +206,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
-    from exogauge.motion.plan.outcome import summarise
+    from exogauge.motion.plan.outcome import frame_by_frame_words, summarise
     from exogauge.motion.plan.solve import Round
     from exogauge.motion.retargeting import person_in, retargeted
     from exogauge.motion.robot_file import load_motion_robot
@@ -224,6 +224,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, holds: print(
         f"{what} {value:.2f}: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
     said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
+    if found.alone is not None:
+        said["frame by frame"] = frame_by_frame_words(found.alone[1])
     if (could := found.could) is not None:
         said["would do"] = (
             (f"{could.slower:.2f} times the time" if could.slower else f"not {USUAL.slowest:g} times the time")

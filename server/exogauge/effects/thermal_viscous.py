@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
@@ -71,7 +71,7 @@ def _followed(values: Array, time: Array, time_constant: float) -> Array:
     if len(time) < 2:
         return values
     a = float(np.exp(-(time[-1] - time[0]) / (len(time) - 1) / time_constant))
-    return np.asarray(lfilter([1.0 - a], [1.0, -a], values, zi=[a * values[0]])[0])
+    return np.asarray(scipy.signal.lfilter([1.0 - a], [1.0, -a], values, zi=[a * values[0]])[0])
 
 
 EFFECT = ThermalViscous()

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
+import scipy
 import scipy.linalg as sl
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import SquareRoot
@@ -98,5 +98,5 @@ def bounded_least_squares(H: Array, g: Array, low: Array, high: Array) -> Array:
     if len(x) == 1:
         return np.clip(x, low, high)
     L = np.linalg.cholesky(H)
-    found = lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high), method="bvls")
+    found = scipy.optimize.lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high), method="bvls")
     return np.asarray(np.clip(found.x, low, high))

@@ -23,11 +23,11 @@ from exogauge.experiment.varied import climbed, nearby
 from exogauge.experiment.workspace_limits import Room, room
 from exogauge.findings.planned_motion import Apart, Bound, PlannedMotion
 from exogauge.findings.result import Finding, Place
-from exogauge.identification.model import RobotModel, Site
-from exogauge.identification.sites import SensorSite
+from exogauge.identification.model import RobotModel
+from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.logs.model import Log
 from exogauge.robots.moving.robot import MotionRobot
-from exogauge.search.ambiguity import Undecided
+from exogauge.search.ambiguity import Contender, Undecided
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -82,9 +82,10 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
 
 def can_be_planned(doubt: Undecided) -> bool:
     """Not where an effect is in one log alone, or the feet's sensors are in question."""
-    if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
+    effects = [each.candidate for each in doubt.contenders if isinstance(each, Contender)]
+    if any(_in_one_log(each.effect.shapes, each.shape) for each in effects):
         return False
-    sites = [each.candidate.site for each in doubt.contenders]
+    sites = [each.site for each in effects]
     return not any(isinstance(site, SensorSite) and site.contact for site in sites)
 
 
@@ -110,9 +111,11 @@ class Weighing:
     def tries(self) -> list[Tried]:
         """Every motion that is considered, with what it would do."""
         contenders = self.known.doubt.contenders
-        slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in contenders)
-        sites = [each.candidate.site for each in contenders]
-        possible = _possible(self.model, self.here, sites, slow_change, self.reach)
+        effects = [each.candidate for each in contenders if isinstance(each, Contender)]
+        slow_change = any(each.effect.coordinate in OVER_TIME for each in effects)
+        kinds = {kind for each in contenders for kind in each.kinds(self.model.equations)}
+        axes = [each.site.axis for each in effects if isinstance(each.site, AxisSite)]
+        possible = _possible(self.model, self.here, sorted(kinds), axes, slow_change, self.reach)
         return [tried for choice in possible if (tried := self._tried(choice)) is not None]
 
     def better(self, tried: Sequence[Tried], rivals: set[int]) -> list[Tried]:
@@ -165,7 +168,7 @@ class Known:
     def of(doubt: Undecided) -> Known:
         model = doubt.model
         own, free = model.equations.columns(), model.solution.prior.free
-        kinds = {kind for each in doubt.contenders for kind in each.candidate.site.kinds(model.equations)}
+        kinds = {kind for each in doubt.contenders for kind in each.kinds(model.equations)}
         kept = np.intersect1d(np.concatenate([own[kind] for kind in sorted(kinds)]), free)
         unit = np.zeros((model.equations.size, len(kept)))
         unit[kept, np.arange(len(kept))] = 1.0
@@ -203,29 +206,29 @@ class Known:
         """Square sum that is left of the true one beside the other one's best shape, and without the other one."""
         swallowed = 1e-9  # share of a column that counts as none
         contender, rival, parts = self.doubt.contenders[true], self.doubt.contenders[instead], self.doubt.parts
-        own = slice(parts[true].start, parts[true].start + contender.candidate.width)
-        theta, wide = contender.coefficients, rival.candidate.width
+        own = slice(parts[true].start, parts[true].start + contender.own_width)
+        theta, wide = contender.coefficients, rival.own_width
         whole, lost = float(theta @ L[own, own] @ theta), 0.0
         for start in range(parts[instead].start, parts[instead].stop, wide):
             other = slice(start, start + wide)
             size = np.sqrt(np.maximum(np.diag(self.doubt.S)[other], 1e-300))
             U, g = L[other, other] / np.outer(size, size), (L[other, own] @ theta) / size
             instead_of = np.linalg.pinv(U, rcond=swallowed, hermitian=True) @ g
-            if wide == 1 and U[0, 0] > swallowed:  # a friction that would have to push is no rival
-                (range_,) = rival.candidate.effect.coefficients
-                instead_of = np.clip(g / U[0], range_.low * size, range_.high * size)
+            if rival.limits is not None and U[0, 0] > swallowed:  # a friction that would have to push is no rival
+                low, high = rival.limits
+                instead_of = np.clip(g / U[0], low * size, high * size)
             lost = max(lost, float(2.0 * g @ instead_of - instead_of @ U @ instead_of))
         return max(whole - lost, 0.0), whole
 
     def pair(self, k: int, tried: Tried, repeats: int) -> Apart:
-        rival, then = self.doubt.contenders[k].candidate, tried.after.left(repeats)
+        rival, then = self.doubt.contenders[k], tried.after.left(repeats)
         true, instead = min(self._truths(k), key=lambda both: self._apart(both[0], both[1], then)[0])
         (left_now, whole_now), (left_then, whole_then) = (self._apart(true, instead, L) for L in (self.now, then))
         now, needed = self.evidence(k, self.now), tried.repeats[k]
         criteria = self.doubt.model.criteria.planning
         return Apart(
-            rival=rival.effect.name,
-            place=".".join(each for each in rival.site.label(self.doubt.model.equations)[1:] if each),
+            rival=rival.name,
+            place=".".join(each for each in rival.place(self.doubt.model.equations)[1:] if each),
             left_now=left_now / whole_now if whole_now > 0.0 else 0.0,
             left_then=left_then / whole_then if whole_then > 0.0 else 0.0,
             evidence_now=now,
@@ -361,11 +364,11 @@ def _untold(floating: bool) -> tuple[Bound, ...]:
 
 
 def _possible(
-    model: RobotModel, here: Room, sites: Sequence[Site], slow_change: bool, reach: Reach | None
+    model: RobotModel, here: Room, kinds: Sequence[int], axes: Sequence[int], slow_change: bool, reach: Reach | None
 ) -> Iterator[Choice | Moving]:
     """Sweeps of a joint; and, where the robot's file tells its bounds, those that keep them, and motions of the whole
     robot alone and beside one of them."""
-    sweeps = choices(model, here, sites, slow_change)
+    sweeps = choices(model, here, kinds, axes, slow_change)
     if reach is None:
         yield from sweeps
         return

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.planning import Planning
 from exogauge.experiment.workspace_limits import Room
 from exogauge.findings.planned_motion import Sweep
-from exogauge.identification.model import RobotModel, Site
-from exogauge.identification.sites import AxisSite
+from exogauge.identification.model import RobotModel
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
@@ -47,11 +46,12 @@ class Choice:
         return q
 
 
-def choices(model: RobotModel, room: Room, sites: Sequence[Site], slow_change: bool) -> list[Choice]:
-    """sites: of the effects in question. slow_change: whether one of them needs minutes."""
+def choices(
+    model: RobotModel, room: Room, kinds: Sequence[int], swept: Sequence[int], slow_change: bool
+) -> list[Choice]:
+    """kinds: of the rows that show what is in question. swept: axes where it sits; none where it is no effect on one.
+    slow_change: whether one of them needs minutes."""
     criteria = model.criteria.planning
-    kinds = sorted({kind for site in sites for kind in site.kinds(model.equations)})
-    swept = [site.axis for site in sites if isinstance(site, AxisSite)]
     felt = _felt(model, room, kinds)
     by_weight = [int(joint) for joint in np.argsort(-felt) if felt[joint] > 0.0]
     leads = list(dict.fromkeys(swept)) or by_weight[: criteria.leads]

@@ -19,7 +19,7 @@ from exogauge.identification.per_log import PerLog
 from exogauge.identification.preparation import Prepared
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
-from exogauge.search.ambiguity import Contender, Undecided
+from exogauge.search.ambiguity import Contender, Number, Undecided
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -61,23 +61,28 @@ def new_rows(
     prepared = model.prepare(log)
     if len(prepared.kept) < 2 or _too_heavy(model, choice, _loads(model, prepared)):
         return None
-    columns = [_columns(each, model, prepared) for each in doubt.contenders]
-    kinds = sorted({kind for each in columns for kind in each})
+    columns = [_columns(each, model, prepared) if isinstance(each, Contender) else {} for each in doubt.contenders]
+    kinds = sorted({kind for each in doubt.contenders for kind in each.kinds(model.equations)})
     most, fewest = 160, 40  # rows of a motion that are computed and stand for the others; samples, of many kinds
     samples = prepared.kept[:: -(-len(prepared.kept) // max(most // len(kinds), fewest))]
     share = _kept_rate(model, room) * (log.samples / log.rate_hz) / len(samples)  # of the rows that a log would have
     place = np.full(model.equations.size, -1, dtype=np.intp)
     place[kept] = np.arange(len(kept))
-    root = np.sqrt(share * model.solution.weights)
+    root = np.sqrt(share * _weights(model))
     A, c = [np.zeros((0, len(kept)))], [np.zeros((0, sum(each.width for each in doubt.contenders)))]
-    for _, chunks in model.equations.rows(replace(prepared, kept=samples), model.solution.unbounded.x):
+    x = model.solution.unbounded.x
+    for _, chunks in model.equations.rows(replace(prepared, kept=samples), x):
         for chunk in (each for each in chunks if each.kind in kinds):
             known, at = place[chunk.columns], samples[chunk.samples]
             block = np.zeros((len(at), len(kept)))
             block[:, known[known >= 0]] = chunk.block[:, :-1][:, known >= 0]
             beside = [
-                each[chunk.kind][at] if chunk.kind in each else np.zeros((len(at), contender.width))
-                for each, contender in zip(columns, doubt.contenders, strict=True)
+                each.of_rows(chunk.columns, chunk.block, x)
+                if isinstance(each, Number)
+                else known_of[chunk.kind][at]
+                if chunk.kind in known_of
+                else np.zeros((len(at), each.width))
+                for each, known_of in zip(doubt.contenders, columns, strict=True)
             ]
             A.append(root[chunk.kind] * block)
             c.append(root[chunk.kind] * np.concatenate(beside, axis=1))
@@ -128,6 +133,17 @@ def _rate(model: RobotModel, room: Room, choice: Choice | Moving) -> float:
     minutes = isinstance(choice, Choice) and choice.sweep.seconds > 100.0
     times, least = (4.0, 20.0) if minutes else (6.0, 40.0)  # of the cut-off, and [Hz]
     return room.rate_hz / max(1, int(room.rate_hz / max(times * model.cutoff_hz, least)))
+
+
+def _weights(model: RobotModel) -> Array:
+    """(rows,) 1/variance of each kind of row. An axis that never moved in the logs has none: it counts as much as the
+    worst that did, or a motion of more than the joint in question would tell nothing."""
+    weights, axes = model.solution.weights.copy(), np.zeros(len(model.solution.weights), dtype=bool)
+    axes[model.equations.layout.axes] = True
+    unseen = axes & (weights <= 0.0)
+    if unseen.any() and (axes & ~unseen).any():
+        weights[unseen] = weights[axes & ~unseen].min()
+    return weights
 
 
 def _kept_rate(model: RobotModel, room: Room) -> float:

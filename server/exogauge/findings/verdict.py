@@ -31,12 +31,13 @@ class Caveat:
     place). feet_alike: these contact sensors read too much by the share `value` ± `needed`, or all else gives and
     weighs as much more. declared: this channel and `others` stand above the noise, no further than what is declared
     uncertain lets them; rival: the sources of that. Of the bands of a device: no_steady_motion, nothing_left_out,
-    unclear_course. Of a payload: noise_unknown, no_motion.
+    unclear_course. Of a payload: noise_unknown, no_motion; not_foretold:
+    what was fitted leaves open what this log should read.
     """
 
     why: Literal[
         "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike", "declared",
-        "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion",
+        "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion", "not_foretold",
     ]  # fmt: skip
     of: str = ""
     value: float = math.nan

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from exogauge.effects.places import BaseChange, BaseSignals, EncoderSignals, LinkSignals, PairSignals, SensorSignals
 from exogauge.effects.shaped import AxisSignals, in_si
@@ -235,7 +235,7 @@ class EncoderSite:
             return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
 
         moved = (rows(low) - rows(high)) / (high - low)
-        return moved if len(at) == samples else np.asarray(CubicSpline(at, moved)(np.arange(samples)))
+        return moved if len(at) == samples else np.asarray(scipy.interpolate.CubicSpline(at, moved)(np.arange(samples)))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
@@ -409,4 +409,4 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
         found = -equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
-    return found if len(at) == samples else np.asarray(CubicSpline(at, found)(np.arange(samples)))
+    return found if len(at) == samples else np.asarray(scipy.interpolate.CubicSpline(at, found)(np.arange(samples)))

@@ -8,8 +8,8 @@ what the maker states of the bodies.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from exogauge.identification.thinned import thinned
 from exogauge.logs.derivatives import differentiate, differentiate_twice
@@ -46,7 +46,11 @@ def _asked(robot: Robot, phi: Array, motion: Motion, low_pass: LowPass) -> Array
     """Computed at some of the samples, with a cubic spline between: a load moves little faster than the motion."""
     at = thinned(motion.samples, low_pass.rate_hz, low_pass.cutoff_hz)
     some = _asked_at(robot, phi, motion.rows(at))
-    return some if len(at) == motion.samples else np.asarray(CubicSpline(at, some)(np.arange(motion.samples)))
+    return (
+        some
+        if len(at) == motion.samples
+        else np.asarray(scipy.interpolate.CubicSpline(at, some)(np.arange(motion.samples)))
+    )
 
 
 def _asked_at(robot: Robot, phi: Array, motion: Motion) -> Array:

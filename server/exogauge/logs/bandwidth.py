@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import welch
 from scipy.special import gammainccinv, gammaincinv
 
 from exogauge.criteria.logs import LOGS
@@ -57,7 +57,9 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     """
     velocity = differentiate(values, rate_hz)[3:-3]
     length = min(velocity.shape[0], round(SEGMENT_S * rate_hz))
-    frequency, power = welch(velocity, rate_hz, "blackmanharris", nperseg=length, detrend="constant", axis=0)
+    frequency, power = scipy.signal.welch(
+        velocity, rate_hz, "blackmanharris", nperseg=length, detrend="constant", axis=0
+    )
     response = difference_response(frequency / rate_hz, 1) * rate_hz
     kept = (frequency > 0.0) & (frequency < LOGS.floor_band[1] * rate_hz)
     frequency, spectrum = frequency[kept], power[kept] / response[kept, None] ** 2

@@ -13,8 +13,8 @@ from functools import cache, lru_cache
 from typing import Literal, final
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import bessel, butter, sosfilt, sosfilt_zi, sosfreqz
 
 from exogauge.errors import BadLog, Fault
 
@@ -58,7 +58,7 @@ class StoredPass:
         line = np.linspace(flat[0], flat[-1], len(flat))
         extended = np.pad(flat - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
         if self.late:
-            passed = sosfilt(sections, extended, axis=0, zi=steady[:, :, None] * extended[0])[0]
+            passed = scipy.signal.sosfilt(sections, extended, axis=0, zi=steady[:, :, None] * extended[0])[0]
         else:
             both_ways_by_scipy(sections, steady, extended)
             passed = extended
@@ -87,7 +87,7 @@ class StoredPass:
 
     def response(self, frequency_hz: ArrayLike, rate_hz: float) -> NDArray[np.complex128]:
         """What it makes of a unit wave at each frequency."""
-        _, left = sosfreqz(_stored_sections(self, rate_hz)[0], np.asarray(frequency_hz), fs=rate_hz)
+        _, left = scipy.signal.sosfreqz(_stored_sections(self, rate_hz)[0], np.asarray(frequency_hz), fs=rate_hz)
         return np.asarray(left if self.late else np.abs(left) ** 2 + 0.0j)
 
     def settle_samples(self, rate_hz: float) -> int:
@@ -101,13 +101,13 @@ def _stored_sections(stored: StoredPass, rate_hz: float) -> tuple[Array, Array, 
     settled, and by how many what is slow comes out late."""
     order, hz = stored.order, stored.hz
     if stored.kind == "bessel":
-        sections = bessel(order, hz, fs=rate_hz, output="sos", norm="mag")
-        zeros, poles, _ = bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
+        sections = scipy.signal.bessel(order, hz, fs=rate_hz, output="sos", norm="mag")
+        zeros, poles, _ = scipy.signal.bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
     else:
-        sections = butter(order, hz, fs=rate_hz, output="sos")
-        zeros, poles, _ = butter(order, hz, fs=rate_hz, output="zpk")
+        sections = scipy.signal.butter(order, hz, fs=rate_hz, output="sos")
+        zeros, poles, _ = scipy.signal.butter(order, hz, fs=rate_hz, output="zpk")
     late = float(np.sum(poles / (1.0 - poles)).real - np.sum(zeros / (1.0 - zeros)).real) if stored.late else 0.0
-    return sections, sosfilt_zi(sections), _settled_after(poles), late
+    return sections, scipy.signal.sosfilt_zi(sections), _settled_after(poles), late
 
 
 @final
@@ -207,20 +207,20 @@ def both_ways_by_scipy(sections: Array, steady: Array, values: Array) -> None:
     channels = np.ascontiguousarray(values.T)
     for _ in range(2):  # forwards, and again from the other end
         state = steady[:, None, :] * channels[None, :, :1]
-        channels = sosfilt(sections, channels, axis=1, zi=state)[0][:, ::-1]
+        channels = scipy.signal.sosfilt(sections, channels, axis=1, zi=state)[0][:, ::-1]
     values[...] = channels.T
 
 
 @lru_cache(maxsize=64)
 def _sections(low_pass: LowPass) -> tuple[Array, Array]:
     """Second-order sections of one pass, and the state in which they leave a constant 1 as it is."""
-    sections = butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="sos")
-    return sections, sosfilt_zi(sections)
+    sections = scipy.signal.butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="sos")
+    return sections, scipy.signal.sosfilt_zi(sections)
 
 
 @lru_cache(maxsize=64)
 def _settle_samples(low_pass: LowPass) -> int:
-    _, poles, _ = butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="zpk")
+    _, poles, _ = scipy.signal.butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="zpk")
     return _settled_after(poles)
 
 

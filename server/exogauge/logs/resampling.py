@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
@@ -102,7 +102,7 @@ def _interpolate(time: Array, values: Array, wanted: Array) -> Array:
     if time.shape == wanted.shape and bool(np.all(time == wanted)):
         return values.copy()
     degree = 3 if time.size >= 4 else 1
-    return np.asarray(make_interp_spline(time, values, k=degree)(wanted))
+    return np.asarray(scipy.interpolate.make_interp_spline(time, values, k=degree)(wanted))
 
 
 def _untwisted(log: Log) -> dict[str, Array]:

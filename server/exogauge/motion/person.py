@@ -16,6 +16,7 @@ from exogauge.motion.human import Contacts, HumanMotion, JointTree
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
+LEVEL = 0.5  # cosine of how far from level, or from upright, a body at rest may be
 LIMBS: tuple[tuple[Segment, Segment], ...] = (
     ("l_upper_arm", "l_forearm"), ("l_forearm", "l_hand"), ("r_upper_arm", "r_forearm"), ("r_forearm", "r_hand"),
 )  # fmt: skip
@@ -107,6 +108,15 @@ def person_of(motion: HumanMotion) -> Person:
         raise _fault(motion, f"no bone stands for {', '.join(lost)}", "no_segment", "Name its bones: see `unknown`")
     rest = tree.rest_position
     left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
+    hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
+    ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
+    level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]
+    if level < LEVEL * np.linalg.norm(left) or trunk[2] < LEVEL * np.linalg.norm(trunk):
+        raise _fault(motion, "at rest the hips are not side by side below the chest", "not_upright",
+                     "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
+    whole = float(np.linalg.norm(hips - ankles))
+    height = float(hips[2] - ankles[2])
+    height = whole if height < LEVEL * whole else height  # some files rest with their legs folded up
     left[2] = 0.0
     left /= np.linalg.norm(left)
     up = np.array([0.0, 0.0, 1.0])
@@ -120,11 +130,9 @@ def person_of(motion: HumanMotion) -> Person:
             along = tree.position[:, bones[beyond]] - tree.position[:, bones[part]]
             along = along / np.linalg.norm(along, axis=1, keepdims=True)
             limbs[part] = np.einsum("tji,tj->ti", thorax, along)
-    hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
-    ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
     return Person(
         motion.name, motion.time, tree.position[:, bones["pelvis"]], pelvis,
-        np.einsum("tji,tjk->tik", pelvis, thorax), limbs, float(hips[2] - ankles[2]), motion.contacts, motion.told,
+        np.einsum("tji,tjk->tik", pelvis, thorax), limbs, height, motion.contacts, motion.told,
         np.stack([tree.position[:, bones[part]] for part in ("l_foot", "r_foot")], axis=1),
     )  # fmt: skip
 

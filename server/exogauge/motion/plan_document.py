@@ -13,7 +13,7 @@ from exogauge.motion.channels import KINDS, bound_shares
 from exogauge.motion.excite.plan import ExcitationPlan
 from exogauge.motion.excite.plan import summarise as tell_excitation
 from exogauge.motion.plan.judge import Judged
-from exogauge.motion.plan.outcome import summarise
+from exogauge.motion.plan.outcome import frame_by_frame_words, summarise
 from exogauge.motion.retargeting import Retargeted
 from exogauge.robots.moving.robot import MotionRobot
 
@@ -23,7 +23,8 @@ VERSION = 1
 
 def retarget_document(found: Retargeted) -> dict[str, Any]:
     """`trunk`: per joint, asked and given [rad]; `margins`; `broken`; `would_do`, null where nobody asked, or home
-    lacks what it needs."""
+    lacks what it needs; `frame_by_frame`: `margins` and `broken` of that, `outside`: share of samples in which the
+    centre of pressure lies outside what the feet stand on."""
     robot, judged = found.robot, found.judged
     given = found.planned.spline.at_nodes()[0]
     trunk = []
@@ -38,6 +39,12 @@ def retarget_document(found: Retargeted) -> dict[str, Any]:
             "most": float(np.abs(off).max()) if len(off) else None,
         })  # fmt: skip
     told = summarise(robot, found.person, found.asked, found.missed, found.planned, judged)
+    alone = None
+    if found.alone is not None:
+        other, seen = found.alone
+        told["frame by frame"] = frame_by_frame_words(seen)
+        alone = {"outside": seen.outside, "margins": margins(robot, seen, other.spline.at(seen.time)[2]),
+                 "broken": list(seen.broken)}  # fmt: skip
     could = found.could
     return {
         "version": VERSION, "kind": "retarget", "robot": robot.name, "motion": found.person.name,
@@ -45,7 +52,7 @@ def retarget_document(found: Retargeted) -> dict[str, Any]:
         "missed": {"rms": float(np.sqrt(np.mean(found.missed**2))), "most": float(found.missed.max())},
         "margins": margins(robot, judged, found.planned.spline.at(judged.time)[2]), "broken": list(judged.broken),
         "would_do": None if could is None else {"slower": could.slower, "share": could.share}, "told": told,
-        "parameters": [], "counts": [],
+        "frame_by_frame": alone, "parameters": [], "counts": [],
     }  # fmt: skip
 
 
@@ -57,7 +64,8 @@ def excite_document(found: ExcitationPlan, judged: Judged, acceleration: Array) 
         "version": VERSION, "kind": "excite", "robot": found.robot.name, "motion": None,
         "seconds": float(found.planned.duration), "rate_hz": rate_of(judged), "rounds": None, "trunk": [],
         "missed": None, "margins": margins(found.robot, judged, acceleration), "broken": list(told.get("broken", [])),
-        "would_do": None, "told": told, "parameters": [asdict(each) for each in found.promise.certain],
+        "would_do": None, "told": told, "frame_by_frame": None,
+        "parameters": [asdict(each) for each in found.promise.certain],
         "counts": [asdict(each) for each in found.promise.counts],
     }  # fmt: skip
 

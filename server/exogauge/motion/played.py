@@ -36,6 +36,9 @@ class Played:
     pairs: (T, 2, 3) [m] nearest points of the nearest pair, NaN where none is near; apart: (T,) [m]. at_bound: (T, J).
     moment: (T,) [s] of the capture. person: (2,) heading of the person's first pelvis [rad], and 1 where left and right
     are exchanged. moment and person are empty where nobody was captured.
+
+    ghost_base, ghost_q: as base and q, of the motion in which each frame was taken by itself; empty where there is
+    none.
     """
 
     time: Array
@@ -52,6 +55,8 @@ class Played:
     at_bound: Array
     moment: Array
     person: Array
+    ghost_base: Array
+    ghost_q: Array
 
     def write(self, path: Path) -> None:
         arrays = {each.name: getattr(self, each.name).astype(np.float32) for each in fields(self)}
@@ -59,10 +64,11 @@ class Played:
 
     @classmethod
     def read(cls, path: Path) -> Played:
-        """A file of an older version says nothing of feet: they stand as one."""
+        """A file of an older version says nothing of feet: they stand as one; nor has it a ghost."""
         with np.load(path) as file:
             arrays = {name: file[name].astype(np.float64) for name in file.files}
         one = {"foot": np.zeros(len(arrays["outline"])), "stands": np.ones((len(arrays["time"]), 1))}
+        one |= {"ghost_base": np.zeros((0, 7)), "ghost_q": np.zeros((0, arrays["q"].shape[1]))}
         return cls(**(one | arrays))
 
 
@@ -73,7 +79,11 @@ def of_retargeted(found: Retargeted, wanted: RetargetEntry) -> Played:
     moment = moments(played.time - lead_of(found), found.person.time[-1], wanted)
     person = np.array([-heading if wanted.mirror else heading, float(wanted.mirror)])
     inner = np.array([with_margin(wanted.margin_m).inside_m])
-    return Played(**{**vars(played), "moment": moment, "person": person, "inner": inner})
+    ghost = {}
+    if found.alone is not None:
+        other = found.alone[0].spline.at(played.time)[0]
+        ghost = {"ghost_base": _pose(found.robot, other), "ghost_q": other[:, found.robot.base :]}
+    return Played(**{**vars(played), "moment": moment, "person": person, "inner": inner, **ghost})
 
 
 def moments(time: Array, whole: float, wanted: RetargetEntry) -> Array:
@@ -89,9 +99,6 @@ def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played
     every = max(1, round(1.0 / ((judged.time[1] - judged.time[0]) * DRAWN_HZ)))
     kept = slice(None, None, every)
     q, base = judged.q[kept], robot.base
-    pose = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (len(q), 1))
-    if base:
-        pose = np.concatenate([q[:, :3], Rotation.from_euler("ZXY", q[:, 3:base]).as_quat()], axis=1)
     shares = bound_shares(robot, judged, acceleration)
     at_bound = np.max(np.stack(list(shares.values())), axis=0) >= AT_BOUND
     outline, foot = np.zeros((0, 3)), np.zeros(0)
@@ -102,10 +109,18 @@ def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played
     pairs, apart = _nearest(robot, q)
     none = np.zeros(0)
     return Played(
-        judged.time[kept], pose, q[:, base:], judged.pressure[kept], judged.inside[kept], outline, foot,
+        judged.time[kept], _pose(robot, q), q[:, base:], judged.pressure[kept], judged.inside[kept], outline, foot,
         judged.stands[kept].astype(np.float64),
-        np.array([USUAL.inside_m]), pairs, apart, at_bound[kept].astype(np.float64), none, none,
+        np.array([USUAL.inside_m]), pairs, apart, at_bound[kept].astype(np.float64), none, none, np.zeros((0, 7)),
+        np.zeros((0, len(robot.joints))),
     )  # fmt: skip
+
+
+def _pose(robot: MotionRobot, q: Array) -> Array:
+    """(T, 7) as `Played.base`."""
+    if not robot.base:
+        return np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (len(q), 1))
+    return np.concatenate([q[:, :3], Rotation.from_euler("ZXY", q[:, 3 : robot.base]).as_quat()], axis=1)
 
 
 def _nearest(robot: MotionRobot, q: Array) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.human import HumanMotion
 from exogauge.motion.person import Person, person_of, person_of_fit
 from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.frame_by_frame import frame_by_frame
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.possible import Possible, Tried, what_would_do
 from exogauge.motion.plan.retarget import ask
@@ -28,7 +29,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Retargeted:
     """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
-    where nobody asked, nothing is broken, or another home is what would do."""
+    where nobody asked, nothing is broken, or another home is what would do. alone: each frame by itself, None where
+    nothing was planned."""
 
     robot: MotionRobot
     person: Person
@@ -37,6 +39,7 @@ class Retargeted:
     planned: Planned
     judged: Judged
     could: Possible | None
+    alone: tuple[Planned, Judged] | None
 
 
 def with_margin(margin_m: float) -> MotionPlan:
@@ -69,4 +72,5 @@ def retargeted(
     asked, missed = ask(robot, person, criteria)
     planned, judged = plan_within(robot, asked, criteria, report, wanted.rate_hz)
     could = what_would_do(robot, person, criteria, tried) if judged.broken and wanted.what_would_do else None
-    return Retargeted(robot, person, asked, missed, planned, judged, could)
+    alone = frame_by_frame(robot, asked, criteria, wanted.rate_hz) if planned.rounds else None
+    return Retargeted(robot, person, asked, missed, planned, judged, could, alone)

@@ -176,7 +176,8 @@ def dynamic_stage(
     decided = np.sqrt(np.diag(covariance)) < criteria.decided * before
     residual = left * rows.std
     physical, cost = _possible(x, covariance, prior)
-    by_noise = np.sqrt(np.maximum(np.diag(inverse), 0.0)) < criteria.decided * before
+    variance = np.diag(inverse)  # negative where the rows hold less than the noise of their columns: nothing is known
+    by_noise = (variance > 0.0) & (np.sqrt(np.abs(variance)) < criteria.decided * before)
     excited = bool(by_noise[4:10].any()) if method == "gtls" else bool(decided[4:10].any())
     return DynamicSolution(
         x,
@@ -336,5 +337,7 @@ def require_excitation(solution: DynamicSolution) -> None:
     is more than noise: that is another fault."""
     if not solution.excited:
         raise NotIdentifiable(
-            "nothing in the excitation decides the inertia: turn the wrist about all three axes, faster", NAMES[4:]
+            "nothing in the excitation decides the inertia: turn the wrist about all three axes, faster; postures "
+            "alone tell mass and centre without this log",
+            NAMES[4:],
         )

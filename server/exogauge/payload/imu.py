@@ -54,13 +54,7 @@ def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]], criteria: St
     """The lag at which wrenches are explained best. rows: [A b] (T, 6, n+1) of each log, for the lag [s] taken off."""
 
     def left(lag: float) -> tuple[float, int]:
-        square, count = 0.0, 0
-        for z in rows(lag):
-            A, b = z.reshape(-1, z.shape[2])[:, :-1], z[:, :, -1].ravel()
-            scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
-            x = np.linalg.lstsq(A / scale, b, rcond=1e-6)[0]
-            square, count = square + float(np.sum((A / scale @ x - b) ** 2)), count + len(b)
-        return square, count
+        return _left(rows(lag))
 
     latest, beside = criteria.latest_imu_s, criteria.beside_imu_s
     best = minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-latest, latest), method="bounded",
@@ -71,3 +65,27 @@ def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]], criteria: St
     curve = np.polyfit(around - lag, square, 2)[0]
     spread = float(np.sqrt(square[1] / (count[1] / criteria.repeated) / curve)) if curve > 0 else latest
     return replace(frame, lag_s=lag, lag_std_s=spread)
+
+
+def farther_lag(found: ImuFrame, rows: Callable[[float], list[Array]], criteria: Standing = USUAL) -> float | None:
+    """[s] a lag beyond those that `find_lag` looks at, by tens of milliseconds, that explains wrenches clearly better
+    than the one it found at its end; None where it found one inside, or none is better."""
+    latest, step, most = criteria.latest_imu_s, 0.02, 0.5
+    if abs(found.lag_s) < 0.95 * latest:
+        return None
+    lags = np.sign(found.lag_s) * np.arange(latest + step, most, step)
+    each = [float(np.divide(*_left(rows(float(lag))))) for lag in lags]
+    best = int(np.argmin(each))
+    better = each[best] * criteria.clearly < float(np.divide(*_left(rows(found.lag_s))))
+    return float(lags[best]) if better else None
+
+
+def _left(parts: list[Array]) -> tuple[float, int]:
+    """Square of what rows [A b] of each log leave of b, and how many they are."""
+    square, count = 0.0, 0
+    for z in parts:
+        A, b = z.reshape(-1, z.shape[2])[:, :-1], z[:, :, -1].ravel()
+        scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
+        x = np.linalg.lstsq(A / scale, b, rcond=1e-6)[0]
+        square, count = square + float(np.sum((A / scale @ x - b) ** 2)), count + len(b)
+    return square, count

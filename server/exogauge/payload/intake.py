@@ -25,6 +25,7 @@ from exogauge.payload.log_names import log_names
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.intake.yaml_file import load_yaml, suggestion
+from exogauge.studies.words.names import counted
 
 Array = NDArray[np.float64]
 
@@ -232,7 +233,7 @@ def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> dict[str
             raise BadStudy(_no_column(column, [table], "Name it in `time.column`, or say `each_row: true`."))
         raw[table.file] = as_vector(table.read([column], exact=(column,))[column], table.file, column)
         if len(raw[table.file]) < fewest:
-            detail, advice = f"the log has {len(raw[table.file])} samples", "Record a few seconds at least."
+            detail, advice = f"the log has {counted(len(raw[table.file]), 'sample')}", "Record a few seconds at least."
             raise BadStudy(Fault(detail, "too_few_samples", advice, table.file))
         refuse(time_faults(raw[table.file], table.file, column))
     first = min(values[0] for values in raw.values())

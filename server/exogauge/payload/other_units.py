@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -31,6 +32,15 @@ def moments_over_forces(rows: Rows, criteria: Carrying = USUAL) -> tuple[float, 
     return (ratio, std) if std < criteria.ratio_known * max(abs(ratio), 1.0) else None
 
 
+def by_own_noise(rows: Rows, criteria: Carrying = USUAL) -> Rows:
+    """The same, divided by the noise that each channel shows from sample to sample: what is stated holds for the stated
+    unit. Third differences: motion hardly reaches them."""
+    b = rows.z[:, :, -1]
+    shown = np.diff(b, 3, axis=0).std(axis=0) / np.sqrt(20.0)
+    shown = np.maximum(shown, criteria.least_noise)
+    return replace(rows, z=rows.z / shown[:, None], std=rows.std * shown)
+
+
 def _part(z: Array, columns: list[int]) -> tuple[Array, Array] | None:
     """Least squares of some rows for some of x, and its covariance; None where they do not decide it."""
     A, b = z[:, :, columns].reshape(-1, len(columns)), z[:, :, -1].ravel()
@@ -44,17 +54,16 @@ def _part(z: Array, columns: list[int]) -> tuple[Array, Array] | None:
 
 
 def explained(rows: Rows, ratio: float, misfit: float) -> bool:
-    """Whether moments that are divided by the ratio leave what noise leaves, or far less than they do as they are: a
+    """Whether moments that are so many times too large leave what noise leaves, or far less than they do as they are: a
     cable makes forces and moments disagree too, and no unit mends that. misfit: mean square that counts as far."""
-    A = rows.z[:, :, :-1].reshape(-1, rows.size)
-    scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
-    root = np.linalg.qr(A / scale)[0]
 
     def left(moments: float) -> float:
-        b = (rows.z[:, :, -1] * np.repeat([1.0, moments], 3)).ravel()
+        A = (rows.z[:, :, :-1] * np.repeat([1.0, moments], 3)[:, None]).reshape(-1, rows.size)
+        b = rows.z[:, :, -1].ravel()
+        root = np.linalg.qr(A / np.maximum(np.linalg.norm(A, axis=0), 1e-12))[0]
         return float(np.mean((b - root @ (root.T @ b)) ** 2))
 
-    divided = left(1.0 / ratio)
+    divided = left(ratio)
     return divided < misfit or divided * misfit < left(1.0)
 
 

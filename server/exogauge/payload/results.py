@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from exogauge import __version__
 from exogauge.criteria.criterion import Z95, entries
 from exogauge.criteria.payload_dynamic import USUAL, Moving
+from exogauge.payload.both_stages import Stages
 from exogauge.payload.calibration import said_of as said_of_sensor
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
-from exogauge.payload.evaluate import Evaluation, Stages
+from exogauge.payload.evaluate import Evaluation
 from exogauge.payload.missing.search import Finding
 from exogauge.payload.missing.words import said_of, verdict_of
 from exogauge.payload.remainder import Figures, Remainder

@@ -27,7 +27,7 @@ from exogauge.payload.dynamics import (
 )
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturated
-from exogauge.payload.other_units import explained, moments_over_forces, units_for
+from exogauge.payload.other_units import by_own_noise, explained, moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
 from exogauge.payload.statics import (
     Holds,
@@ -41,7 +41,7 @@ from exogauge.payload.statics import (
     told_sign,
     touched_postures,
 )
-from exogauge.payload.turned_axes import exchanged_moments, other_axes, said_of_moments
+from exogauge.payload.turned_axes import axes_in_motion, exchanged_moments, other_axes, said_of_moments
 from exogauge.payload.turned_axes import said as said_of_axes
 from exogauge.studies.intake.robot_file import SIGN
 
@@ -123,7 +123,8 @@ def postures_stage(
             "world_axes": ("the postures fit wrenches in the base's axes", "Say `sensor.axes: base`."),
             "sensor_axes": ("the postures fit wrenches in the sensor's own axes", "Say `sensor.axes: sensor`."),
             "unexplained": ("no weight explains the forces of these postures", "Check that nothing touched the "
-                            "payload, that it does not shift, and the order and axes of pose and wrench."),
+                            "payload, that it does not shift, the order and axes of pose and wrench, and that clocks "
+                            "of several files count from the same instant."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
     exchanged = exchanged_moments(holds, still)
@@ -202,8 +203,10 @@ def excitation_stage(
             solution = dynamic_stage(rows, prior, method, criteria=deciding)
     with naming(payload.of("excitation")):
         require_excitation(solution)
-    if known and solution.mu > criteria.payload_dynamic.misfit:
+    if known and solution.mu > criteria.payload_static.clearly:
         _require_one_clock(payload, moved, gravity, solution.mu, criteria)
+    if postures is None:
+        _require_axes(payload, rows, solution, criteria)
     _require_units(payload, rows, criteria)
     by_method = {method: solution}
     by_method |= {
@@ -213,12 +216,6 @@ def excitation_stage(
         warnings.append(
             "No body has this mass, centre and inertia, and not by chance: check `sensor.force_unit` and "
             "`sensor.moment_unit`, and that nothing touched."
-        )
-    weighed = payload.file.ground_truth.mass_kg
-    if weighed is not None and abs(solution.value[0] / weighed - 1.0) > limits.other_mass:
-        warnings.append(
-            f"The mass comes out {solution.value[0] / weighed:.3g} times the weighed one: check `sensor.force_unit` "
-            "(kgf and N differ by 9.81) and what else hangs on the sensor."
         )
     free = prior.covariance.copy()
     free[0], free[:, 0] = 0.0, 0.0
@@ -236,9 +233,11 @@ def excitation_stage(
 def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
     """Forces and moments must agree on m c: else one of them is in another unit. An IMU that sits elsewhere, and a zero
     moment arm, say nothing of it."""
-    sensor = payload.file.sensor
-    if payload.file.settings.moments == "from_motion" or payload.file.imu is not None:
+    sensor, settings = payload.file.sensor, payload.file.settings
+    if settings.moments == "from_motion" or payload.file.imu is not None:
         return
+    if settings.cutoff_hz is None:
+        rows = by_own_noise(rows, criteria.payload)
     found = moments_over_forces(rows, criteria.payload)
     most = criteria.payload.other_ratio
     if found is None or 1.0 / most <= found[0] <= most:
@@ -263,6 +262,24 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
     raise BadStudy(Fault(detail, "units_disagree", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
 
 
+def _require_axes(payload: Payload, rows: Rows, solution: DynamicSolution, criteria: Criteria) -> None:
+    """Raises BadStudy where, without postures, motion says that the wrench is of the other sign, or in other axes."""
+    sensor, file = payload.file.sensor, payload.of("excitation")[0].wrench.file
+    moving, still = criteria.payload_dynamic, criteria.payload_static
+    if solution.mu > moving.misfit and (found := axes_in_motion(rows, still)) is not None:
+        turned, moments = found
+        detail, advice = (
+            said_of_moments(turned.Q, sensor.wrench) if moments
+            else said_of_axes(turned, sensor.wrench, sensor.frame or "")
+        )  # fmt: skip
+        raise BadStudy(Fault(detail, "other_axes", advice, file, None, sensor.wrench[3 if moments else 0]))
+    if solution.value[0] < -still.noises * solution.std[0]:
+        other = next(each for each in ("payload_on_sensor", "sensor_on_payload") if _sign(each) == -rows.sign)
+        detail = "the weight points the other way than `sensor.sees` and `gravity` say"
+        advice = f"Say `sees: {other}`, or turn `gravity` round."
+        raise BadStudy(Fault(detail, "sees_contradicted", advice, payload.name, None, "sensor.sees", sensor.sees or ""))
+
+
 def _require_one_clock(payload: Payload, moved: Sequence[Moved], gravity: Array, mu: float, criteria: Criteria) -> None:
     """Raises BadStudy where the wrench fits the pose clearly better so much later or earlier that no filter does it."""
     for recording, each in zip(payload.of("excitation"), moved, strict=True):
@@ -270,7 +287,9 @@ def _require_one_clock(payload: Payload, moved: Sequence[Moved], gravity: Array,
         if found is None or abs(found[0]) <= criteria.payload.latest_s:
             continue
         late, left = found
-        if left * criteria.payload_static.clearly**2 < mu:
+        alone = left < criteria.judging.above**2  # nothing but noise is left there
+        clearly = criteria.payload_static.clearly
+        if left * (clearly if alone else clearly**2) < mu:
             detail = f"the wrench is {abs(late):.3f} s {'late' if late > 0 else 'early'} against the pose"
             advice = "Both must be stamped when they were measured, by one clock: take that off the wrench's stamps."
             file = recording.wrench.file

@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.payload_static import USUAL, Standing
+from exogauge.payload.dynamics import Rows
 from exogauge.payload.statics import Holds, force_columns, moment_columns
 
 Array = NDArray[np.float64]
@@ -80,11 +81,7 @@ def exchanged_moments(holds: Holds, criteria: Standing = USUAL) -> Array | None:
         y = (tau @ Q).ravel()  # as it would be in the forces' axes
         return float(np.sqrt(np.mean((y - root @ (root.T @ y)) ** 2)))
 
-    others = [
-        np.eye(3)[list(order)] * np.array(signs)[:, None]
-        for order in permutations(range(3))
-        for signs in product((1.0, -1.0), repeat=3)
-    ]
+    others = _exchanges()
     stated, best = left(np.eye(3)), min(left(Q) for Q in others)
     weight = float(np.abs(tau - tau.mean(axis=0)).max())
     if stated < max(criteria.clearly * float(holds.std[3:].max()), criteria.unexplained * weight):
@@ -95,6 +92,52 @@ def exchanged_moments(holds: Holds, criteria: Standing = USUAL) -> Array | None:
     if len(alike) > 2:  # and their mirror images
         return None
     return np.asarray(max(alike, key=lambda Q: float(np.trace(Q))))
+
+
+def axes_in_motion(rows: Rows, criteria: Standing = USUAL) -> tuple[OtherAxes, bool] | None:
+    """What of 48 ways to exchange and reverse axes, of the wrench, of its forces or of its moments alone, explains
+    motion clearly better than what is stated, by a payload that has a mass; and whether it is of the moments alone.
+    None where none does, or several do. Where no posture is there to tell."""
+    every = 4  # samples: enough for a body
+    z = rows.z[::every]
+    A = z[:, :, :-1].reshape(-1, rows.size)
+    scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
+    root, R = np.linalg.qr(A / scale)
+    parts, b = root.reshape(len(z), 2, 3, -1), z[:, :, -1].reshape(len(z), 2, 3)
+    across = np.einsum("tpik,tpj->pijk", parts, b, optimize=True)
+    whole, same = float(np.sum(b**2)), np.eye(3)
+
+    def left(of_force: Array, of_moment: Array) -> tuple[float, float]:
+        """Square of what a body leaves of Qᵀ b, as it would be in the frame's axes; and its mass."""
+        c = np.tensordot(of_force.T, across[0]) + np.tensordot(of_moment.T, across[1])
+        return whole - float(c @ c), float((np.linalg.solve(R, c) / scale)[0])
+
+    stated = left(same, same)[0]
+    found = sorted(
+        ((*left(*pair), pair) for Q in _exchanges() for pair in ((Q, Q), (Q, same), (same, Q))),
+        key=lambda each: each[0],
+    )
+    heavy = [(square, pair) for square, mass, pair in found if mass > 0.0]
+    if not heavy or criteria.clearly**2 * heavy[0][0] > stated:
+        return None
+    alike = [pair for square, pair in heavy if square < criteria.clearly * heavy[0][0]]
+    kinds = {(np.array_equal(F, same), np.array_equal(M, same)) for F, M in alike}
+    if len(kinds) > 1 or len(alike) > 2:
+        return None
+    F, M = max(alike, key=lambda pair: float(np.trace(pair[0]) + np.trace(pair[1])))  # and its mirror image
+    alone = np.array_equal(F, same)
+    Q = M if alone else F
+    angle = None if np.linalg.det(Q) < 0.0 else float(np.arccos(np.clip((np.trace(Q) - 1.0) / 2.0, -1.0, 1.0)))
+    return OtherAxes(Q, angle, aligned=True), alone
+
+
+def _exchanges() -> list[Array]:
+    """The 48 that exchange and reverse axes."""
+    return [
+        np.eye(3)[list(order)] * np.array(signs)[:, None]
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]
 
 
 def said_of_moments(Q: Array, columns: tuple[str, ...]) -> tuple[str, str]:

@@ -17,6 +17,7 @@ TORQUE: Rgb = (235, 110, 0)
 SUPPORT: Rgb = (0, 150, 90)
 FORCE: Rgb = (190, 30, 160)
 MARK: Rgb = (220, 20, 40)
+GHOST: Rgb = (140, 60, 190)
 TENSION = np.array([[25, 70, 220], [0, 150, 190], [30, 150, 50], [220, 140, 0], [220, 25, 15]], dtype=np.float64)
 
 

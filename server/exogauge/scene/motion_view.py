@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 from exogauge.motion.figure import Figure
 from exogauge.motion.played import Played
 from exogauge.robots.description import Robot
-from exogauge.scene.colours import MARK, Rgb, as_hex
+from exogauge.scene.colours import GHOST, MARK, Rgb, as_hex
 from exogauge.scene.effort_view import BALL
 from exogauge.scene.frames import Frames
 from exogauge.scene.recording import aim
-from exogauge.scene.robot_view import RobotView, draw_robot
+from exogauge.scene.robot_view import RobotView, draw_ghost, draw_robot
 from exogauge.scene.stage import Stage
 from exogauge.studies.intake.mesh_files import Opener
 
@@ -52,6 +52,10 @@ def draw_played(
     if np.isfinite(played.pairs).any():
         legend += _draw_pair(stage, view, played, shown)
     legend += _draw_bounds(stage, view, robot, dict(zip(joints, played.at_bound.T > 0.5, strict=True)), shown)
+    if len(played.ghost_q):
+        ghost = played.ghost_base[shown] if robot.floating else None
+        draw_ghost(stage, robot, urdf, open_mesh, played.ghost_q[shown][:, order], ghost)
+        legend.append({"layer": "ghost", "label": "frame by frame", "color": as_hex(GHOST), "size": "nothing planned"})
     aim(stage, view, TOWARD)
     if figure is not None and len(played.moment):
         place = _beside(view, figure, *played.person)

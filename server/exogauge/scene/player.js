@@ -65,9 +65,9 @@
     Object.assign(state, { scene, time: scene.start, playing: false });
     if (!first && state.feed) state.feed.give({ type: "connected" }); // the client forgets what it shows
     show(first);
-    const { log, start, end, fps, frames, legend, marked, notes, points } = state.scene;
+    const { log, start, end, fps, frames, legend, marked, notes, points, hidden } = state.scene;
     const layers = Object.keys(state.scene.layers).filter((name) => state.scene.layers[name].length);
-    say({ type: "loaded", about: { log, start, end, fps, frames, legend, marked, notes, points, layers } });
+    say({ type: "loaded", about: { log, start, end, fps, frames, legend, marked, notes, points, layers, hidden } });
   }
 
   function show(aim) {

@@ -11,7 +11,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from exogauge.robots.description import Robot
-from exogauge.scene.colours import BODY, BODY_DARKER
+from exogauge.robots.tree import RigidTree
+from exogauge.scene.colours import BODY, BODY_DARKER, GHOST, Rgb
 from exogauge.scene.poses import InBase, planted, quaternions, upright
 from exogauge.scene.shapes import body_shapes
 from exogauge.scene.stage import Stage
@@ -20,8 +21,9 @@ from exogauge.studies.intake.mesh_files import Opener
 Array = NDArray[np.float64]
 BaseKnown = Literal["fixed", "logged", "tilt", "none"]
 
-ROOT = "/robot"
+ROOT, GHOST_ROOT = "/robot", "/ghost"
 OPACITY = 0.6  # what turns and pulls inside the bodies is seen through them
+GHOST_OPACITY = 0.35
 BASE_WORDS: dict[BaseKnown, str] = {
     "fixed": "The base is fixed.",
     "logged": "The base moves as logged.",
@@ -61,11 +63,36 @@ def draw_robot(
     stage: Stage, robot: Robot, urdf: bytes, open_mesh: Opener, q: Array, base: Array | None, up: Array | None
 ) -> RobotView:
     """q: (F, J) [rad or m]; base, up: as in `Take`, None where the log does not tell."""
-    tree, in_base = robot.tree, InBase.of(robot.tree, q)
+    in_base = InBase.of(robot.tree, q)
     R, p, known = _base(robot, in_base, base, up)
-    shapes = body_shapes(tree, urdf, open_mesh)
-    nodes = _nodes(tree.parent, tree.floating)
-    _add_root(stage, R, p)
+    shapes = body_shapes(robot.tree, urdf, open_mesh)
+    nodes = _add_bodies(stage, robot.tree, in_base, R, p, shapes, ROOT, (BODY, BODY_DARKER), OPACITY)
+    stage.layers["robot"] = [f"{name}/shape" for body, name in nodes.items() if body in shapes]
+    low, high = _extent(shapes, in_base, R, p)
+    view = RobotView(nodes, in_base, R, p, known, low, high)
+    _add_floor(stage, view)
+    return view
+
+
+def draw_ghost(stage: Stage, robot: Robot, urdf: bytes, open_mesh: Opener, q: Array, base: Array | None) -> None:
+    """The same robot as it moves otherwise, in the same world, hidden until its layer is asked for."""
+    in_base = InBase.of(robot.tree, q)
+    R, p, _ = _base(robot, in_base, base, None)
+    shapes = body_shapes(robot.tree, urdf, open_mesh)
+    _add_bodies(stage, robot.tree, in_base, R, p, shapes, GHOST_ROOT, (GHOST, GHOST), GHOST_OPACITY, shown=False)
+    stage.layers["ghost"] = [GHOST_ROOT]
+    stage.hidden.append("ghost")
+
+
+def _add_bodies(
+    stage: Stage, tree: RigidTree, in_base: InBase, R: Array, p: Array, shapes: dict[int, trimesh.Trimesh], root: str,
+    colours: tuple[Rgb, Rgb], opacity: float, shown: bool = True,
+) -> dict[int, str]:  # fmt: skip
+    """Bodies as a tree of nodes below `root`; their names."""
+    nodes = _nodes(tree.parent, tree.floating, root)
+    stage.scene.add_frame(root, show_axes=False, visible=shown)
+    stage.move("turn", root, quaternions(R).astype(np.float32))
+    stage.move("place", root, p.astype(np.float32))
     local = in_base.seen_from_parents(tree)
     for body, name in nodes.items():
         if body >= 0 and tree.dof[body] >= 0:
@@ -73,12 +100,8 @@ def draw_robot(
             stage.move("turn", name, local.turn[:, body].astype(np.float32))
             stage.move("place", name, local.place[:, body].astype(np.float32))
         if body in shapes:
-            _add_shape(stage, f"{name}/shape", shapes[body], BODY if body % 2 else BODY_DARKER)
-    stage.layers["robot"] = [f"{name}/shape" for body, name in nodes.items() if body in shapes]
-    low, high = _extent(shapes, in_base, R, p)
-    view = RobotView(nodes, in_base, R, p, known, low, high)
-    _add_floor(stage, view)
-    return view
+            _add_shape(stage, f"{name}/shape", shapes[body], colours[body % 2 == 0], opacity)
+    return nodes
 
 
 def _base(robot: Robot, in_base: InBase, base: Array | None, up: Array | None) -> tuple[Array, Array, BaseKnown]:
@@ -106,29 +129,23 @@ def _rotations(w: Array, x: Array, y: Array, z: Array) -> Array:
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-def _nodes(parent: NDArray[np.intp], floating: bool) -> dict[int, str]:
+def _nodes(parent: NDArray[np.intp], floating: bool, root: str) -> dict[int, str]:
     """Body -> node; a body's node is below that of the body that carries it. A floating base is the root itself."""
-    nodes = {-1: ROOT}
+    nodes = {-1: root}
     for body, up in enumerate(parent):
-        nodes[body] = ROOT if floating and body == 0 else f"{nodes[int(up)]}/{body}"
+        nodes[body] = root if floating and body == 0 else f"{nodes[int(up)]}/{body}"
     if floating:
         del nodes[-1]
     return nodes
 
 
-def _add_root(stage: Stage, R: Array, p: Array) -> None:
-    stage.scene.add_frame(ROOT, show_axes=False)
-    stage.move("turn", ROOT, quaternions(R).astype(np.float32))
-    stage.move("place", ROOT, p.astype(np.float32))
-
-
-def _add_shape(stage: Stage, name: str, shape: trimesh.Trimesh, colour: tuple[int, int, int]) -> None:
+def _add_shape(stage: Stage, name: str, shape: trimesh.Trimesh, colour: Rgb, opacity: float) -> None:
     stage.scene.add_mesh_simple(
         name,
         np.asarray(shape.vertices, dtype=np.float32),
         np.asarray(shape.faces, dtype=np.uint32),
         color=colour,
-        opacity=OPACITY,
+        opacity=opacity,
         flat_shading=True,
         side="front",
     )

@@ -70,6 +70,7 @@ class Track:
 @dataclass
 class Stage:
     """scene: viser's functions (`add_box` …). tracks: what moves. layers: name -> nodes that are shown together.
+    hidden: layers that are not shown before somebody asks for them; their nodes are added invisible.
 
     >>> stage = Stage.empty()
     >>> _ = stage.scene.add_icosphere("/ball", 0.1)
@@ -80,6 +81,7 @@ class Stage:
     tracks: list[Track] = field(default_factory=list)
     layers: dict[str, list[str]] = field(default_factory=dict)
     camera: dict[str, list[float]] = field(default_factory=dict)
+    hidden: list[str] = field(default_factory=list)
 
     @classmethod
     def empty(cls) -> Stage:
@@ -110,6 +112,7 @@ class Stage:
             **about,
             "camera": self.camera,
             "layers": self.layers,
+            "hidden": self.hidden,
             "messages": [arrays.plain(message) for message in self._sink.messages],
             "tracks": [
                 {

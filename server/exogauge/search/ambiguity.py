@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.order import LOG, SINCE
+from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.logs.filtering import LowPass
 from exogauge.search.baseline import FEWEST
@@ -41,14 +42,80 @@ class Contender:
         return Contender(candidate, score.coefficients, (own, *others))
 
     @property
+    def name(self) -> str:
+        return self.candidate.effect.name
+
+    def place(self, equations: Equations) -> tuple[str, str, str]:
+        """Kind, name and part of it."""
+        return self.candidate.site.label(equations)
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        """Of the rows that show it."""
+        return self.candidate.site.kinds(equations)
+
+    @property
+    def own_width(self) -> int:
+        """Number of its columns in one shape."""
+        return self.candidate.width
+
+    @property
     def width(self) -> int:
         """Number of its columns, all shapes beside each other."""
         return self.candidate.width * len(self.shapes)
+
+    @property
+    def limits(self) -> tuple[float, float] | None:
+        """Of what multiplies its one column, where it has one."""
+        if self.own_width > 1:
+            return None
+        (range_,) = self.candidate.effect.coefficients
+        return range_.low, range_.high
 
     def columns(self, seen: Seen, low_pass: LowPass) -> Array:
         """(T, width, kinds of its site), low-passed as the rows are."""
         raw = np.concatenate([seen.columns(self.candidate.effect, shape) for shape in self.shapes], axis=1)
         return low_pass.apply(raw.reshape(len(raw), -1)).reshape(raw.shape)
+
+
+@final
+@dataclass(frozen=True)
+class Number:
+    """A number of the maker that is off, as a contender. at: kind, name and part of its place. coefficients: (k,) as
+    found. moves: (P, k) by what one of each moves the model's parameters; None where the torque of axis `logged` is
+    logged, and is more than the logs say by a share: then its rows lack what the model calls for there.
+    """
+
+    name: str
+    at: tuple[str, str, str]
+    coefficients: Array
+    moves: Array | None
+    logged: int = -1
+
+    def place(self, equations: Equations) -> tuple[str, str, str]:
+        return self.at
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        """Of the rows that show it."""
+        if self.moves is None:
+            return equations.layout.axis(self.logged), equations.layout.resting(self.logged)
+        moved = np.abs(self.moves).max(axis=1) > 0.0
+        return tuple(kind for kind, columns in enumerate(equations.columns()) if moved[columns].any())
+
+    @property
+    def own_width(self) -> int:
+        return len(self.coefficients)
+
+    @property
+    def width(self) -> int:
+        return len(self.coefficients)
+
+    limits = None
+
+    def of_rows(self, columns: IntArray, block: Array, x: Array) -> Array:
+        """(n, k) what it does to rows. block: (n, c + 1) their regressor over `columns`, and what they are to be."""
+        if self.moves is not None:
+            return np.asarray(block[:, :-1] @ self.moves[columns])
+        return np.asarray((block[:, -1] - block[:, :-1] @ x[columns])[:, None])
 
 
 @final
@@ -62,7 +129,7 @@ class Undecided:
     """
 
     model: RobotModel
-    contenders: tuple[Contender, ...]
+    contenders: tuple[Contender | Number, ...]
     B: Array
     S: Array
     kind: int

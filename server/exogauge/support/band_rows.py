@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from exogauge.devices.result import Approach
 from exogauge.devices.routing import Routing
@@ -76,14 +76,16 @@ class WearLog:
         return np.asarray(flat.reshape(m * joints, -1).astype(np.float32))
 
     @cached_property
-    def _between_slopes(self) -> csr_array:
+    def _between_slopes(self) -> scipy.sparse.csr_array:
         """(m, n) share of each kept sample that each sloped one has in it."""
         n, m = len(self.kept), len(self.sloped)
         between = np.interp(np.arange(n), self.sloped, np.arange(m))
         before = np.minimum(between.astype(np.intp), max(m - 2, 0))
         after = np.minimum(before + 1, m - 1)
         shares = np.concatenate([1.0 - (between - before), between - before])
-        return csr_array((shares, (np.concatenate([before, after]), np.tile(np.arange(n), 2))), shape=(m, n))
+        return scipy.sparse.csr_array(
+            (shares, (np.concatenate([before, after]), np.tile(np.arange(n), 2))), shape=(m, n)
+        )
 
 
 @final

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from exogauge.support.balance import Balance
 from exogauge.support.same_motion import Match
@@ -48,7 +48,9 @@ def difference(this: Balance, other: Balance, found: Match) -> Difference:
     at = np.clip(since, 0.0, clock[-1])
     nearest = np.clip(np.round(np.interp(at, clock, np.arange(len(clock)))).astype(np.intp), 0, len(clock) - 1)
     covered &= ~other.left_out[nearest]
-    theirs = np.where(covered[:, None], np.asarray(make_interp_spline(clock, other.torque, k=3)(at)), np.nan)
+    theirs = np.where(
+        covered[:, None], np.asarray(scipy.interpolate.make_interp_spline(clock, other.torque, k=3)(at)), np.nan
+    )
     same = np.all(this.sign == other.sign[nearest], axis=2)
     return Difference(
         torque=this.torque - theirs,

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -52,8 +52,8 @@ def _smooth(time: Array, line: Array, used: BoolArray, seconds: float) -> Array:
     """(T,) mean over what is used about each used sample; NaN elsewhere."""
     counts = used & np.isfinite(line)
     width = max(1, round(seconds * (len(time) - 1) / max(float(time[-1] - time[0]), 1e-9)))
-    share = uniform_filter1d(counts.astype(np.float64), width, mode="nearest")
-    total = uniform_filter1d(np.where(counts, line, 0.0), width, mode="nearest")
+    share = scipy.ndimage.uniform_filter1d(counts.astype(np.float64), width, mode="nearest")
+    total = scipy.ndimage.uniform_filter1d(np.where(counts, line, 0.0), width, mode="nearest")
     whole = counts & (share >= min(FULL, float(share.max(initial=0.0))))
     return np.where(whole, total / np.maximum(share, 1e-12), np.nan)
 

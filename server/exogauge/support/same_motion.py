@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
-from scipy.ndimage import minimum_filter1d
-from scipy.signal import fftconvolve
 
 from exogauge.criteria.supporting import MOTIONS
 from exogauge.logs.derivatives import differentiate
@@ -57,7 +55,7 @@ class Posture:
         self.time = log.time - log.time[0]
         self.q = low_pass.apply(log.stack([f"q.{joint}" for joint in joints]))
         self.dq = differentiate(self.q, log.rate_hz)
-        self._at = make_interp_spline(self.time, np.hstack([self.q, self.dq]), k=3)
+        self._at = scipy.interpolate.make_interp_spline(self.time, np.hstack([self.q, self.dq]), k=3)
 
     def at(self, time: Array) -> tuple[Array, Array]:
         values = np.asarray(self._at(time))
@@ -110,7 +108,7 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     valley_s = 0.2  # a shift is the best within that [s]
     steps = int(np.floor(other.time[-1] * this.rate)) + 1
     a, b = this.dq, other.at(np.arange(steps) / this.rate)[1]
-    cross = sum(fftconvolve(b[:, j], a[::-1, j]) for j in range(a.shape[1]))
+    cross = sum(scipy.signal.fftconvolve(b[:, j], a[::-1, j]) for j in range(a.shape[1]))
     lags = np.arange(-len(a) + 1, len(b))
     start, stop = np.maximum(0, -lags), np.minimum(len(a), len(b) - lags)
     common = stop - start
@@ -120,7 +118,7 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     of_a, of_b = a_sum[stop] - a_sum[start], b_sum[stop + lags] - b_sum[start + lags]
     elsewhere = np.minimum(a_sum[-1] - of_a, b_sum[-1] - of_b)
     apart = of_a + of_b - 2.0 * np.asarray(cross)[fair] + elsewhere
-    valley = apart <= minimum_filter1d(apart, 2 * round(valley_s * this.rate) + 1, mode="nearest")
+    valley = apart <= scipy.ndimage.minimum_filter1d(apart, 2 * round(valley_s * this.rate) + 1, mode="nearest")
     good = valley & (apart <= apart.min() + MOTIONS.alike * min(a_sum[-1], b_sum[-1]))  # of equals, the smallest shift
     return float(lags[good][np.argmin(np.abs(lags[good]))]) / this.rate
 

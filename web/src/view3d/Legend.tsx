@@ -8,8 +8,8 @@ const OTHERS: Record<string, string> = { robot: "robot", marks: "joints that the
 
 /** What the colours and sizes mean, with numbers; each can be hidden. */
 export function Legend({ about, ask }: { about: About; ask: (asked: Asked) => void }) {
-  const [hidden, setHidden] = useState<string[]>([]);
-  useEffect(() => setHidden([]), [about]);
+  const [hidden, setHidden] = useState(about.hidden);
+  useEffect(() => setHidden(about.hidden), [about]);
   const toggle = (layer: string) => {
     const visible = hidden.includes(layer);
     setHidden(visible ? hidden.filter((each) => each !== layer) : [...hidden, layer]);

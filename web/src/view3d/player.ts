@@ -25,6 +25,7 @@ export type About = {
   notes: string[];
   points?: ViaPoint[];
   layers: string[];
+  hidden: string[];
 };
 
 export type Said =

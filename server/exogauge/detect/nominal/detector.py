@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.detect.nominal.contradicted import Change, Contradiction, contradicted, put_back
+from exogauge.detect.nominal.contradicted import Change, Contradiction, contradicted, put_back, row_memory
 from exogauge.detect.nominal.let_go import let_go
-from exogauge.detect.nominal.nominal_values import gain_columns
+from exogauge.detect.nominal.nominal_values import Array, gain_columns, undecided_between
 from exogauge.detect.so_far import SoFar
 from exogauge.devices.result import Estimate
 from exogauge.findings.as_told import ALL
@@ -24,6 +24,7 @@ from exogauge.identification.parameters import coefficient_unit
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
 from exogauge.robots.ends import takes_payload
+from exogauge.search.ambiguity import Number, Undecided
 from exogauge.search.judge import told
 
 NOTHING_TO_DRAW = np.zeros(0)
@@ -51,6 +52,29 @@ def name_contradiction(
         also_possible=tuple(alike),
         evidence=Evidence("", "", *([NOTHING_TO_DRAW] * 5)),
     )
+
+
+def doubt_of(model: RobotModel, odd: Contradiction, memory: Array) -> Undecided | None:
+    """What tells the number from those that explain as much; None where there are none. memory: as of `row_memory`."""
+    if not odd.alike:
+        return None
+    alike = odd.alike[: model.criteria.nominal.most_alike]
+    return undecided_between(model, [_number(model, each) for each in (odd.best, *alike)], memory)
+
+
+def _number(model: RobotModel, change: Change) -> Number:
+    effect, place = _effect_and_place(model, change)
+    at, index, value = (place.kind, place.name, ""), change.stated.index, change.value
+    if change.of_link:
+        seen, phi = model.solution.prior.seen[:, 10 * index : 10 * index + 10], model.robot.tree.phi[index]
+        if change.stated.sort == "scaled":
+            return Number(effect, at, value[:1] / phi[0], (seen @ phi)[:, None])
+        return Number(effect, at, value, seen)
+    if model.robot.joints[index].actuation == "torque":
+        return Number(effect, at, value, None, index)
+    unit, column = np.zeros((model.equations.size, 1)), gain_columns(model.equations)[index]
+    unit[column] = model.solution.prior.seen_mean[column]
+    return Number(effect, at, value, unit)
 
 
 def _doubt(model: RobotModel, best: Change) -> float:
@@ -110,12 +134,19 @@ def nominal_values(so_far: SoFar) -> SoFar:
     """With what the data contradict beside the models, which hold the change already."""
     recordings = so_far.searched.recordings if so_far.searched else so_far.recordings
     current, first = so_far.current, len(so_far.findings) + 1
-    odd = contradicted(current.model, [each.log for each in recordings if not each.held_out])
+    fitted = [each.log for each in recordings if not each.held_out]
+    odd = contradicted(current.model, fitted)
     settings = so_far.question.settings
     findings = [
         name_contradiction(n, current, recordings, settings, each) for n, each in enumerate(odd.one_by_one, first)
     ]
     named, doubtful = told(findings, so_far.criteria.judging)
+    if so_far.searched is not None and any(each.alike for each in odd.one_by_one):
+        memory = row_memory(current.model, fitted)
+        doubts = {(finding.effect, finding.place): doubt for finding, each in zip(findings, odd.one_by_one, strict=True)
+                  if (doubt := doubt_of(current.model, each, memory)) is not None}  # fmt: skip
+        undecided = {**so_far.searched.undecided, **doubts}
+        so_far = replace(so_far, searched=replace(so_far.searched, undecided=undecided))
     believed = let_go(current, recordings, settings)
     so_far = replace(so_far, models=(*so_far.models[:-1], believed), beside=named, doubtful=doubtful)
     if odd.feet is None:

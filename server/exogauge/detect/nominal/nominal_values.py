@@ -23,6 +23,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.prior import relative_std
 from exogauge.identification.solution import Solution
 from exogauge.robots.parameters import inertia_by_first_moment
+from exogauge.search.ambiguity import Number, Undecided
 
 Array = NDArray[np.float64]
 Sort = Literal["load", "scaled", "centre", "gain", "gains", "feet"]
@@ -74,7 +75,7 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
     logged, broad_gain = list[tuple[int, float]](), criteria.broad_gain
     for axis in driven:
         if model.robot.joints[axis].actuation == "torque":
-            rows.torque_logged(axis, places[axis])
+            rows.torque_logged(axis, places[axis], broad_gain)
             logged.append((rows.width - 1, criteria.torque_doubt / broad_gain))
         else:
             unit = np.zeros((model.equations.size, 1))
@@ -88,6 +89,24 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
     doubted = _doubted(rows.letting_go(), logged)
     gains = np.concatenate([each.columns for each in numbers if each.sort == "gain"])
     return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([broad_gain]))], _alike(doubted, gains)
+
+
+def undecided_between(model: RobotModel, numbers: Sequence[Number], memory: Array) -> Undecided:
+    """Numbers of which the data leave it open which one is off, the one that is named first, as planning needs them.
+
+    The model's rows count as many samples as they are worth, and its links are doubted as `as_stated` has it: what is
+    left of a number beside all that the maker may be off in is what speaks for it. memory: as of `stated_numbers`.
+    """
+    rows, solution = _Rows(model, memory), model.solution
+    for each in numbers:
+        if each.moves is None:
+            rows.torque_logged(each.logged, gain_columns(model.equations)[each.logged], 1.0)
+        else:
+            rows.moved(each.moves)
+    B, S = rows.sums()
+    weighed = replace(solution, weights=rows.weights, prior=as_stated(model), strength=1.0)
+    kind = numbers[0].kinds(model.equations)[0]
+    return Undecided(replace(model, solution=weighed), tuple(numbers), B, S, kind, noise=1.0, memory=1.0)
 
 
 def _feet_scale_all(model: RobotModel) -> bool:
@@ -159,7 +178,7 @@ class _Rows:
     def __init__(self, model: RobotModel, memory: Array) -> None:
         solution: Solution = model.solution
         self.equations, self.statistics = model.equations, solution.statistics
-        self.weights, self.broad_gain = solution.weights / memory, model.criteria.nominal.broad_gain
+        self.weights = solution.weights / memory
         self.data = PriorLeastSquares(self.statistics.square_root(self.weights), as_stated(model), 1.0)
         self.G, g, _ = self.statistics.normal(self.weights)
         self.slope = g - self.G @ self.data.x
@@ -175,8 +194,8 @@ class _Rows:
         for column in p.T:
             self._take(self.G @ column, float(column @ self.G @ column), float(column @ self.slope), column)
 
-    def torque_logged(self, axis: int, place: int) -> None:
-        """u: the torque that the model calls for on an axis whose torque is logged.
+    def torque_logged(self, axis: int, place: int, share: float) -> None:
+        """u: `share` of the torque that the model calls for on an axis whose torque is logged.
 
         The logged one holds the noise that the residual holds, which a free gain would shrink away.
         """
@@ -190,8 +209,7 @@ class _Rows:
             A_u[columns] += w * (G[:, k] + slope)
             own += w * (G[k, k] + 2.0 * slope[k] + squares)
             left += w * (slope[k] + squares)
-        broad = self.broad_gain
-        self._take(broad * A_u, broad**2 * own, broad * left, None)
+        self._take(share * A_u, share**2 * own, share * left, None)
 
     def _take(self, A_u: Array, own: float, left: float, move: Array | None) -> None:
         """The product of two columns is p^T A^T u where one of them moves parameters; logged torques of two axes share
@@ -205,11 +223,16 @@ class _Rows:
         self.moves.append(move)
         self.left.append(left)
 
-    def letting_go(self) -> LettingGo:
+    def sums(self) -> tuple[Array, Array]:
+        """(P, K), (K, K) products of the columns with A, and with each other."""
         K = self.width
         B, Q = np.array(self.A_u).reshape(K, self.equations.size).T, np.zeros((K, K))
         for k, products in enumerate(self.own):
             Q[k, : k + 1] = Q[: k + 1, k] = products
+        return B, Q
+
+    def letting_go(self) -> LettingGo:
+        B, Q = self.sums()
         S = Q - B.T @ self.data.divided(B)
         return LettingGo(0.5 * (S + S.T), np.array(self.left))
 

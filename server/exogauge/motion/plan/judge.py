@@ -73,6 +73,11 @@ class Judged:
         known = self.inside[np.isfinite(self.inside)]
         return float(known.min()) if len(known) else None
 
+    @property
+    def outside(self) -> float:
+        """Share of samples in which the centre of pressure lies outside what the feet stand on."""
+        return float((self.inside < 0.0).mean())
+
 
 def judge(
     robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,

@@ -111,6 +111,17 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
     return said
 
 
+def frame_by_frame_words(alone: Judged) -> str:
+    """What would have become of the same motion, had each frame been taken by itself."""
+    least = alone.least_inside
+    pressure = "no centre of pressure" if least is None else f"centre of pressure {1e3 * least:.1f} mm inside at least"
+    if least is not None and least < 0.0:
+        pressure = (f"centre of pressure outside the soles in {100.0 * alone.outside:.2g} % of samples, by up to "
+                    f"{-1e3 * least:.1f} mm")  # fmt: skip
+    feet = f"feet move by {1e3 * alone.feet_m:.3f} mm and {np.degrees(alone.feet_rad):.4f}°"
+    return f"{pressure}; {feet}; {len(alone.broken) or 'no'} bounds broken"
+
+
 def motion_table(robot: MotionRobot, judged: Judged) -> bytes:
     """t [s], then `q.<joint>` [rad, or m of a prismatic joint]; where a foot lifts, `stands.<link>` of every foot, 1 or
     0."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
@@ -31,19 +31,24 @@ def what_would_do(
     robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
 ) -> Possible | None:
     """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
-    what was planned, and whether it holds. Each begins at home, at rest: what is lacking there none can have, and
+    what was planned, and whether it holds. What is slower has its nodes as much further apart, as many for the same
+    way; what lies between them is judged. Each begins at home, at rest: what is lacking there none can have, and
     another home is what would do: None then."""
     if at_home(robot, criteria).lacks:
         return None
 
-    def holds(what: str, value: float, changed: Person) -> bool:
-        found = can(robot, changed, criteria)
+    def paced(k: float) -> MotionPlan:
+        return replace(criteria, nodes_per_s=criteria.nodes_per_s / k, stretch_s=k * criteria.stretch_s,
+                       ahead_s=k * criteria.ahead_s)  # fmt: skip
+
+    def holds(what: str, value: float, changed: Person, own: MotionPlan) -> bool:
+        found = can(robot, changed, own)
         if tried is not None:
             tried(what, value, found)
         return found
 
-    slower = nearest(lambda k: holds("slower", k, person.slowed(k)), 1.0, criteria.slowest, criteria.within)
-    share = nearest(lambda k: holds("share", k, person.trunk_share(k)), 1.0, 0.0, criteria.within)
+    slower = nearest(lambda k: holds("slower", k, person.slowed(k), paced(k)), 1.0, criteria.slowest, criteria.within)
+    share = nearest(lambda k: holds("share", k, person.trunk_share(k), criteria), 1.0, 0.0, criteria.within)
     return Possible(slower, share)
 
 

@@ -22,6 +22,8 @@ BoolArray = NDArray[np.bool_]
 
 FEWEST = 4  # samples that make a cubic
 STANDS = "stands."  # and the link of a foot: 1 where it stands, 0 where it is up
+FAR = 1.0  # [rad] beyond its range: no rounding, and no bound that is a little broken
+ROUND = 0.02  # [rad] beyond it that what is taken for degrees may be
 SAME_S = 1e-6  # what rounding leaves of a time
 
 
@@ -111,9 +113,24 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     q = np.tile(home_of(robot), (len(time), 1))
     for name in known:
         q[:, robot.base + robot.joints.index(name)] = columns[f"q.{name}"]
+    _refuse_degrees(robot, q[:, robot.base :], path.name)
     stands = _stands(robot, {name: columns[name] for name in feet}, len(time), path.name)
     q[:, : robot.base] = base_on(robot, q, stands)
     return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known), stands)
+
+
+def _refuse_degrees(robot: MotionRobot, q: Array, file: str) -> None:
+    """Where two joints are far beyond their range, and none would be were they degrees. q: (T, J)."""
+    turns = np.array(["P" not in robot.model.joints[1 + robot.base + j].shortname() for j in range(q.shape[1])])
+    limits, own = robot.limits, np.where(turns, np.radians(q), q)
+    beyond = np.where(turns, np.maximum(limits.lower - q, q - limits.upper), 0.0)
+    if (beyond > FAR).any(axis=0).sum() < 2 or ((own < limits.lower - ROUND) | (own > limits.upper + ROUND)).any():
+        return
+    row, j = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    raise BadMotion(Fault(
+        f"the joint bears {limits.lower[j]:.4g} to {limits.upper[j]:.4g} rad; as degrees all angles are within what "
+        "their joints bear", "degrees", "Write radians", file, int(row) + 1, f"q.{robot.joints[j]}", f"{q[row, j]:g}",
+    ))  # fmt: skip
 
 
 def _feet(robot: MotionRobot, names: Collection[str], file: str) -> list[str]:

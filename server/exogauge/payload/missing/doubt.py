@@ -15,12 +15,14 @@ from exogauge.payload.missing.fit import (
     Fitted,
     Named,
     Problem,
+    design,
     fit,
     in_floors,
     residuals,
     weighted,
     with_best_shape,
 )
+from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
@@ -94,6 +96,33 @@ def slightly_late(
         return None
     shift = late * np.linalg.solve(found.triangle, across)[:SIZE]
     return late, std, np.outer(shift, shift)
+
+
+def slightly_inclined(
+    problem: Problem, found: Fitted, named: Sequence[Named]
+) -> tuple[tuple[float, float] | None, Array]:
+    """[rad] by which the base seems to lean and its std, where that is beyond chance, and (18, 18) what the lean that
+    nobody knows does to body and zero: what it seems to be, and how well that is known. Where no posture was there to
+    tell, and it is too little to be named."""
+    free = replace(problem, inclined=True)
+    other = fit(free, named)
+    C = covariance(free, other, named)[:SIZE, :SIZE]
+    across, turn = C[:, SIZE - 2 :], other.x[SIZE - 2 : SIZE]
+    of_turn = np.linalg.inv(C[SIZE - 2 :, SIZE - 2 :])
+    shift = other.x[:SIZE] - found.x[:SIZE]
+    doubt = across @ of_turn @ across.T + np.outer(shift, shift)
+    size = float(np.linalg.norm(turn))
+    beyond = float(np.sqrt(turn @ of_turn @ turn))
+    told = (size, size / beyond) if beyond > problem.criteria.payload_dynamic.mu_stds else None
+    return told, doubt
+
+
+def is_foretold(problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch) -> NDArray[np.bool_]:
+    """(6,) whether what was fitted says what a channel should read to better than its floor, were there nothing but
+    noise: else what is left there tells nothing."""
+    D = design(problem.frame, stretch, named)[stretch.use]
+    variance = np.mean(np.einsum("tip,pq,tiq->ti", D, found.covariance, D, optimize=True), axis=0)
+    return np.asarray(np.sqrt(variance) < problem.criteria.judging.above * stretch.floor)
 
 
 def below_floor(problem: Problem, found: Fitted) -> bool:

@@ -25,8 +25,10 @@ from exogauge.payload.missing.doubt import (
     below_floor,
     by_slow_means,
     covariance,
+    is_foretold,
     numbers,
     numbers_with_std,
+    slightly_inclined,
     slightly_late,
     swings,
 )
@@ -89,7 +91,8 @@ class Missing:
     what may be said. before, after: (6,) rms over floor by log. tried: candidates. of_body: whether any of what was
     found changes what is fitted. courses: (T, 6) what of the wrench is that of what was found, of every stretch in the
     order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]. late: [s] by which
-    the wrench is late, and std, where that is beyond chance and too little to be named; late_doubt: what that adds.
+    the wrench is late, and std, where that is beyond chance and too little to be named; leans: [rad] by which the base
+    leans, where no posture was there to tell, and so too; slight_doubt: what that adds.
     calibrated: whether gains and crosstalk of all axes at once stand in place of `courses`."""
 
     found: tuple[Finding, ...]
@@ -102,7 +105,8 @@ class Missing:
     courses: tuple[Array, ...] = ()
     doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
     late: tuple[float, float] | None = None
-    late_doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
+    leans: tuple[float, float] | None = None
+    slight_doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
     calibrated: bool = False
 
     @property
@@ -189,14 +193,17 @@ def find_missing(
     before = {each.name: _ratios(first_problem, first, [], each) for each in logs}
     after = {each.name: _ratios(problem, base, named, each, own) for each in logs}
     found += [finding for finding, _, _ in own]
+    foretold = {each.name: is_foretold(problem, base, named, each) for each in logs}
     seen = tuple(
         Seen(f"{log.name}: {channel}", float(ratio), _seconds(log), _seconds(log))
-        for log in logs for channel, ratio in zip(CHANNELS, after[log.name], strict=True)
+        for log in logs for channel, ratio, sure in zip(CHANNELS, after[log.name], foretold[log.name], strict=True)
+        if sure
     )  # fmt: skip
     above = tuple(each.channel for each in seen if each.ratio > criteria.judging.above)
     # What leaves something may stand for what stands in no list: another zero takes a part off whatever is wrong.
     claimed, suspected = (tuple(found), ()) if not above else ((), tuple(found))
-    cannot = () if held_out else (Caveat("not_held_out"),)
+    cannot = tuple(Caveat("not_foretold", name) for name, sure in foretold.items() if not sure.all())
+    cannot = cannot if held_out else (Caveat("not_held_out"), *cannot)
     facts = Facts(len(claimed), above, seen, cannot=cannot, judging=criteria.judging)
     courses = tuple(_course(problem, base, named, each, own) for each in (*fitted, *held_out, *others))
     C = covariance(problem, base, named)
@@ -205,10 +212,18 @@ def find_missing(
     late = None
     if all(each.effect.name != "delay" for each in named):
         late = slightly_late(problem, base, named, delay(criteria.payload))
-    late_doubt = np.zeros((SIZE, SIZE)) if late is None else late[2]
+    slight = np.zeros((SIZE, SIZE)) if late is None else late[2]
+    leans = None
+    if (
+        not inclined
+        and not any(each.still for each in fitted)
+        and all(each.effect.name != "inclination" for each in named)
+    ):
+        leans, turned = slightly_inclined(problem, base, named)
+        slight = slight + turned
     return Missing(
-        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + late_doubt,
-        late and late[:2], late_doubt,
+        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + slight,
+        late and late[:2], leans, slight,
     )  # fmt: skip
 
 
@@ -227,7 +242,7 @@ def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> 
     hanging = [second_body(criteria), *(spring(axes, criteria) for axes in ("xy", "xz", "yz", "xyz"))]
     out = [delay(criteria), zero_drift(), *hanging]
     out += [] if inclined else [inclination()]
-    out += of_all_channels()
+    out += of_all_channels(criteria)
     out += [zero_of_log(each.name) for each in moved if len(fitted) > 1]
     out += [zero_step(each.name, each.time) for each in moved]
     return out

@@ -70,7 +70,7 @@ def zero_drift() -> Effect:
     return Effect("zero_drift", "sensor", _of_channels("/s"), columns, _as_they_are)
 
 
-def crosstalk(read: int, of: int) -> Effect:
+def crosstalk(read: int, of: int, criteria: Carrying = USUAL) -> Effect:
     """A channel reads a share of what another one should; of itself: a wrong gain."""
 
     def columns(frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
@@ -80,7 +80,16 @@ def crosstalk(read: int, of: int) -> Effect:
 
     name, place = ("gain", CHANNELS[read]) if read == of else ("crosstalk", f"{CHANNELS[read]} of {CHANNELS[of]}")
     unit = {"NN·m": "1/m", "N·mN": "m"}.get(UNITS[read] + UNITS[of], "1")
-    return Effect(name, place, (("share", unit),), columns, _as_they_are)
+
+    def possible(told: Array) -> bool:
+        return unit != "1" or such_as_a_sensor_has(float(told[0]), criteria)
+
+    return Effect(name, place, (("share", unit),), columns, _as_they_are, possible=possible)
+
+
+def such_as_a_sensor_has(share: float, criteria: Carrying = USUAL) -> bool:
+    """Of a gain beyond 1, or of what a channel reads of another one of its unit: beyond, a unit or an axis is wrong."""
+    return bool(abs(share) < criteria.other_ratio - 1.0)
 
 
 def delay(criteria: Carrying = USUAL) -> Effect:
@@ -94,8 +103,8 @@ def delay(criteria: Carrying = USUAL) -> Effect:
     return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
 
 
-def of_all_channels() -> list[Effect]:
-    return [crosstalk(read, of) for read in range(6) for of in range(6)]
+def of_all_channels(criteria: Carrying = USUAL) -> list[Effect]:
+    return [crosstalk(read, of, criteria) for read in range(6) for of in range(6)]
 
 
 def _every_channel(course: Array) -> Array:

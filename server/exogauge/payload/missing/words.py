@@ -72,6 +72,8 @@ def cause_of_residual(missing: Missing) -> str:
         return "; ".join(name_of(each.effect, each.place) for each in missing.found)
     if verdict == "unexplained":
         return "something is missing that nothing here explains"
+    if verdict == "none" and missing.leans is not None:
+        return "the base leans a little, or the noise is stated too small"
     if verdict == "none" and missing.late is not None:
         return "the wrench and the pose are not quite of the same time, or the noise is stated too small"
     if verdict == "none":
@@ -88,6 +90,11 @@ def reason_of(reason: Caveat | None) -> str:
         return (
             "with an IMU or a low-pass the noise of the motion is not known, so nothing says how much may be left; "
             "joint angles or positions, not filtered, would tell"
+        )
+    if reason is not None and reason.why == "not_foretold":
+        return (
+            f"the excitation leaves numbers open on which {reason.of} depends: turn the wrist about all three axes in "
+            "the excitation"
         )
     if reason is not None and reason.why == "no_motion":
         return "no excitation was recorded"

@@ -162,7 +162,8 @@ def motion_words(finding: Finding) -> str:
     """What to record, to tell the finding from what it may be, too; "" where there is no such motion or no need."""
     if finding.apart:
         never = [not_told(each) for each in finding.apart if each.seconds is None]
-        return " ".join([*(planned_sentence(each) for each in finding.plans), *never])
+        weigh = [HOLD] if any(each.objection.why is Why.ONE_FACTOR for each in finding.also_possible) else []
+        return " ".join([*(planned_sentence(each) for each in finding.plans), *never, *weigh])
     if not finding.also_possible:
         return ""
     match finding.basis:
