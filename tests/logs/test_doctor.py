@@ -215,6 +215,7 @@ CASES = [
     ("wrench_sign", "ft.*", scale("ft", -1.0)),
     ("wrench_sign", "ft.*", scale("ft.r_foot", -1.0)),
     ("force_unit", "ft.*", scale("ft", 1 / 9.81)),
+    ("force_unit", "ft.*", scale("ft", 1e-3)),
     ("couple_first", "ft.*", couple_first),
     ("weight_on_another_axis", "ft.*", lying_sensors),
     ("weight_differs", "ft.*", scale("ft", 1.3)),

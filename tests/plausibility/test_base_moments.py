@@ -36,6 +36,21 @@ def test_feet_as_they_are_raise_no_doubt(robot: Robot, logs: list[Log]) -> None:
     assert said(robot, logs) == []
 
 
+@pytest.mark.parametrize("times", [1000.0, 100.0, 1.0 / 9.80665, 0.001])
+def test_moments_in_another_unit_are_named_and_nothing_else(robot: Robot, logs: list[Log], times: float) -> None:  # noqa: F811
+    """N·mm and N·cm taken for N·m, kgf·m likewise, and N·m for N·mm."""
+    names = [f"ft.{foot}.{axis}" for foot in FEET for axis in AXES[3:]]
+    wrong = [
+        replace(each, channels=each.channels | {name: times * each.channels[name] for name in names}) for each in logs
+    ]
+    found = list(examine_against_robot(robot, wrong))
+    assert [(log, each.channel, each.rule) for log, each in found] == [
+        (each.name, "ft.*", "moment_unit") for each in logs
+    ]
+    for _, each in found:
+        assert each.value == pytest.approx(1.0 / times)
+
+
 def test_a_leg_with_a_wrong_sign_is_no_exchange(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
     turned = [replace(each, channels=each.channels | {"tau.left_leg": -each.channels["tau.left_leg"]}) for each in logs]
     assert {(channel, rule) for _, channel, rule in said(robot, turned)} == {("tau.left_leg", "effort_reversed")}

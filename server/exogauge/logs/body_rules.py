@@ -15,6 +15,7 @@ from exogauge.logs.filtering import LowPass
 from exogauge.logs.findings import Expectation, Finding
 from exogauge.logs.model import Log
 from exogauge.logs.resampling import is_even
+from exogauge.logs.units import UNITS
 
 Array = NDArray[np.float64]
 
@@ -134,15 +135,16 @@ def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
     if abs(ratio - 1.0) <= expected.criteria.weight:
         return
     detail = f"the feet carry {ratio:.3g} of the weight of {expected.weight_n:.4g} N"
-    kilograms = ratio * g
+    units = {name: unit.factor for name, unit in UNITS.items() if unit.dimension == "force" and unit.factor != 1.0}
+    unit = next((name for name, size in units.items() if abs(ratio * size - 1.0) <= expected.criteria.weight), None)
     if abs(ratio + 1.0) <= expected.criteria.weight_sign:
         advice = "the wrenches are those of the robot on the world: change `sees` in robot.yaml, or the sign"
         yield Finding("error", "ft.*", "wrench_sign", detail, advice, value=ratio)
     elif abs(float(np.abs(lifts).sum()) - 1.0) <= expected.criteria.weight:
         turned = ", ".join(name for name, lift in zip(sensors, lifts, strict=True) if lift < 0.0)
         yield Finding("error", "ft.*", "wrench_sign", detail, f"only {turned} has its sign reversed", value=ratio)
-    elif abs(kilograms - 1.0) <= expected.criteria.weight:
-        yield Finding("error", "ft.*", "force_unit", detail, "declare the unit as kgf in the mapping", value=ratio)
+    elif unit:
+        yield Finding("error", "ft.*", "force_unit", detail, f"declare the unit as {unit} in the mapping", value=ratio)
     else:
         yield from _weight_elsewhere(log, expected, sensors, signs, detail, ratio)
 

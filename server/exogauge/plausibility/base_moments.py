@@ -1,5 +1,5 @@
 """What moments about the base tell of contact sensors: columns that were exchanged, as the load goes from one to the
-other, and another clock than that of the positions."""
+other, another clock than that of the positions, and moments in another unit."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
+from exogauge.logs.units import UNITS
 from exogauge.plausibility.delay import summit
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
@@ -37,6 +38,21 @@ class Exchanged:
         for one, other in (self.pair, self.pair[::-1]):
             order[one] = other
         return replace(seen, wrenches=seen.wrenches[:, order], late_wrenches=seen.late_wrenches[:, :, order])
+
+
+@final
+@dataclass(frozen=True)
+class MomentUnit:
+    """Of all contact sensors. factor: by which their moments have to be multiplied. before, after: as in `Exchanged`,
+    each of how much the moments change that are given with that factor."""
+
+    factor: float
+    before: float
+    after: float
+
+    def undo(self, seen: Snapshot) -> Snapshot:
+        size = np.repeat([1.0, self.factor], 3)
+        return replace(seen, wrenches=seen.wrenches * size, late_wrenches=seen.late_wrenches * size)
 
 
 @final
@@ -71,6 +87,30 @@ def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | No
         found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
     best = min(found, key=lambda each: each.after)
     return best if best.after < criteria.sides_falls * best.before else None
+
+
+def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
+    """In all of the logs: a unit for another, with which most of what was left is asked for, and no less than of feet
+    that are right. None where moments are as described, or no unit makes them so."""
+    if not robot.tree.floating or not robot.contacts or not seen:
+        return None
+    criteria, asked = seen[0].criteria, [_asked(robot, each) for each in seen]
+
+    def tried(factor: float) -> tuple[float, float]:
+        scaled = MomentUnit(factor, 0.0, 0.0)
+        given = [_given(robot, scaled.undo(each)) for each in seen]
+        return _rms([a - b for a, b in zip(asked, given, strict=True)]), _rms(given)
+
+    left, swings = tried(1.0)
+    if swings <= 0.0 or left < criteria.sides_before * swings:
+        return None
+    units = {each.factor for each in UNITS.values() if each.dimension == "torque" and each.factor != 1.0}
+    found = {factor: tried(factor) for factor in sorted(units | {1.0 / each for each in units})}
+    best = min(found, key=lambda factor: found[factor][0])
+    least, then = found[best]
+    if least >= criteria.sides_falls * left or least >= criteria.sides_before * then:
+        return None
+    return MomentUnit(best, left / swings, least / then)
 
 
 def late_contacts(robot: Robot, seen: Snapshot) -> Late | None:

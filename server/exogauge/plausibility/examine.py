@@ -14,7 +14,14 @@ from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
-from exogauge.plausibility.base_moments import Exchanged, Late, exchanged_contacts, late_contacts
+from exogauge.plausibility.base_moments import (
+    Exchanged,
+    Late,
+    MomentUnit,
+    exchanged_contacts,
+    late_contacts,
+    moment_unit,
+)
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
@@ -60,6 +67,11 @@ def examine_against_robot(
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))
     seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
+    unit = moment_unit(robot, seen)
+    if unit is not None:
+        seen = [unit.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_unit(unit)
     sides = exchanged_contacts(robot, seen)
     if sides is not None:  # what legs bear would contradict it joint by joint
         seen = [sides.undo(each) for each in seen]
@@ -104,6 +116,17 @@ def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
     """log -> what its accelerometer contradicts."""
     found = {each.log: directions(robot, each) for each in seen}
     return {log: finding for log, each in found.items() if each is not None for finding in imu_rules(robot, each)}
+
+
+def as_unit(unit: MomentUnit) -> Finding:
+    """Of the moments of all contact sensors."""
+    times = f"{1.0 / unit.factor:.3g} times too large" if unit.factor < 1.0 else f"{unit.factor:.3g} times too small"
+    detail = (
+        f"their moments are {times}: {100 * unit.before:.0f} % of how the moments about the base change no body asks "
+        f"for as it is, and {100 * unit.after:.0f} % so"
+    )
+    advice = "state the right `moment_unit` in a mapping: N·m, N·mm, N·cm, kgf·m?"
+    return Finding("error", "ft.*", "moment_unit", detail, advice, value=unit.factor)
 
 
 def as_exchanged(robot: Robot, sides: Exchanged) -> Finding:
