@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +116,21 @@ def test_logs_of_which_none_can_be_looked_at_say_nothing(robot: Robot, logs: lis
             {name: np.full(count, v[0]) if name != "t" else v[:count] for name, v in each.items()} for each in logs
         ]
         assert said(robot, short) == set()
+
+
+@pytest.mark.parametrize(
+    "other", [lambda q: q[::-1], lambda q: np.abs(q - q.mean()) + 0.3], ids=["backwards", "folded"]
+)
+def test_what_leaves_a_joint_unlike_its_description_is_told_as_the_nearest_of_what_is_tried(
+    tmp_path: Path, other: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    """A column of another recording, and an angle that lost its sign: no slip that is looked for."""
+    write_study(tmp_path, False, {})
+    wrong = [each | {"q.j1": other(each["q.j1"])} for each in simulated_logs(False).values()]
+    found = examine_against_robot(load_robot(tmp_path), [as_log(k, each) for k, each in enumerate(wrong)])
+    told = [finding for _, finding in found]
+    assert told
+    assert all(each.advice.startswith("look for something else first") for each in told)
 
 
 def test_the_doctor_says_first_what_the_robot_contradicts(

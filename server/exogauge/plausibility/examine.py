@@ -179,6 +179,10 @@ def as_finding(robot: Robot, slip: Slip) -> Finding:
         said, advice = f"{said}, if {other} is right; these logs cannot tell which of the two is wrong", advice
     if len(channels) == 2:
         said = f"and {channels[1]} {said}"
+    if not slip.settled:
+        advice = (
+            f"look for something else first: so much is left that this is only the nearest of what is tried; {advice}"
+        )
     return Finding("error", channels[0], remedy.rule, f"{said} ({left})", advice, value=remedy.value)
 
 

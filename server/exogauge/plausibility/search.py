@@ -28,6 +28,8 @@ class Slip:
     """remedy: what undoes it. evidence: gain in log likelihood. before, after: share of the axis' effort that is left.
 
     as_good: a remedy of the same joint between which and this one the data do not decide. logs: in which it is.
+    settled: once all that was found is undone, the joint bears what is described. Otherwise it was the nearest of what
+    is tried to something else.
     """
 
     remedy: Remedy
@@ -36,6 +38,7 @@ class Slip:
     after: float
     as_good: Remedy | None = None
     logs: tuple[str, ...] = ()
+    settled: bool = True
 
 
 def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Expected]]:
@@ -45,8 +48,8 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     """
     as_read = [Expected(robot, each) for each in seen]
     criteria = seen[0].criteria if seen else Comparing()
-    slips = _beyond_limits(robot, seen)
-    undone = list(seen)
+    first = _beyond_limits(robot, seen)
+    slips, undone = list(first), list(seen)
     for slip in slips:
         undone = [slip.remedy.undo(each) for each in undone]
     state = _State(robot, [Expected(robot, each) for each in undone] if slips else as_read)
@@ -60,7 +63,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
             slips.append(replace(best, logs=tuple(seen[k].log for k in logs)))
             now = {k: Expected(robot, best.remedy.undo(state.expected[k].seen)) for k in logs}
             state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
-    return slips, as_read
+    return [replace(each, settled=each in first or state.settled(each)) for each in slips], as_read
 
 
 def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
@@ -126,6 +129,11 @@ class _State:
         """Whether no axis that the remedy touches stays in doubt with it; a factor of an effort hides much else."""
         then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
         return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in self._touched(remedy))
+
+    def settled(self, slip: Slip) -> bool:
+        logs = [k for k, each in enumerate(self.seen) if each.log in slip.logs]
+        part = _State(self.robot, [self.expected[k] for k in logs])
+        return not any(part.in_doubt(axis) for axis in slip.remedy.joints if axis in part.axes())
 
     def axes(self) -> list[int]:
         return [a for a in range(len(self.robot.joints)) if any(each.tells(a) for each in self.expected)]
