@@ -17,11 +17,14 @@ class MotionImport:
     miss a rigid motion before they carry a lost one; skin moves by 1 to 2 cm.
     low_m, slow_m_per_s: a foot's point that is no higher above its own floor and no faster stands; a foot that swings
     passes 1 m/s, one that stands sways by some cm/s. smooth_s: over which speed is taken. shortest_step_s: shorter
-    stands and steps are flicker; a fast step takes .3 s."""
+    stands and steps are flicker; a fast step takes .3 s. level: cosine of how far from level the hips, or from upright
+    the trunk, may be in a skeleton's rest pose; another axis up leaves 0. Legs that reach down by less than that share
+    of their length are folded up."""
 
     shortest_m: float = 0.9
     tallest_m: float = 2.3
     upright: float = 0.8
+    level: float = 0.5
     uneven: float = 0.1
     most_bytes: int = 2_000_000_000
     most_points: int = 20_000_000

@@ -47,7 +47,9 @@ class MotionPlan:
     is planned at once decides how much memory it takes. coarse: every so many nodes a plan is begun.
     slowest: times the time that are tried where a motion cannot be had; within: to which the least of it, and the
     largest share of the trunk's angle, are found; each halving is a plan.
-    judged_hz: samples per second that are judged and written."""
+    judged_hz: samples per second that are judged and written.
+    no_bound_rad: so far beyond its range no joint of a table is by rounding, or by a bound a little broken: two such
+    make degrees likely. round_rad: by which angles may exceed their range once read as degrees, a degree."""
 
     nodes_per_s: float = 60.0
     smooth_hz: float = 5.0
@@ -95,6 +97,8 @@ class MotionPlan:
     slowest: float = 4.0
     within: float = 0.1
     judged_hz: float = 200.0
+    no_bound_rad: float = 1.0
+    round_rad: float = 0.02
 
 
 USUAL = MotionPlan()

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from exogauge.criteria.motion_import import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.human import Contacts, HumanMotion, JointTree
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
-LEVEL = 0.5  # cosine of how far from level, or from upright, a body at rest may be
 LIMBS: tuple[tuple[Segment, Segment], ...] = (
     ("l_upper_arm", "l_forearm"), ("l_forearm", "l_hand"), ("r_upper_arm", "r_forearm"), ("r_forearm", "r_hand"),
 )  # fmt: skip
@@ -111,12 +111,12 @@ def person_of(motion: HumanMotion) -> Person:
     hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
     ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
     level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]
-    if level < LEVEL * np.linalg.norm(left) or trunk[2] < LEVEL * np.linalg.norm(trunk):
+    if level < USUAL.level * np.linalg.norm(left) or trunk[2] < USUAL.level * np.linalg.norm(trunk):
         raise _fault(motion, "at rest the hips are not side by side below the chest", "not_upright",
                      "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
     whole = float(np.linalg.norm(hips - ankles))
     height = float(hips[2] - ankles[2])
-    height = whole if height < LEVEL * whole else height  # some files rest with their legs folded up
+    height = whole if height < USUAL.level * whole else height  # some files rest with their legs folded up
     left[2] = 0.0
     left /= np.linalg.norm(left)
     up = np.array([0.0, 0.0, 1.0])

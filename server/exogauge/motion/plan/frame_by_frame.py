@@ -16,10 +16,10 @@ from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 
-FARTHEST = 0.3  # [rad or m] of one step: no further do slopes hold
-SETTLED = 1e-5  # [rad or m] a step after which a posture is found
+FARTHEST = 0.3  # [rad or m] of one step: no further do slopes hold; shorter ones take more rounds to the same end
+SETTLED = 1e-5  # [rad or m] a step after which a posture is found: a tenth of what a planned foot may be off
 AT_ENDS = 5  # times that joints are sought which the step would lead out of their range
-NEGLIGIBLE = 1e-9  # share of what the feet feel of all joints: a straight leg feels nothing along itself
+NEGLIGIBLE = 1e-9  # share of what the feet feel of all joints, for rounding: a straight leg feels nothing along itself
 
 
 def frame_by_frame(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import read_names
@@ -22,8 +23,6 @@ BoolArray = NDArray[np.bool_]
 
 FEWEST = 4  # samples that make a cubic
 STANDS = "stands."  # and the link of a foot: 1 where it stands, 0 where it is up
-FAR = 1.0  # [rad] beyond its range: no rounding, and no bound that is a little broken
-ROUND = 0.02  # [rad] beyond it that what is taken for degrees may be
 SAME_S = 1e-6  # what rounding leaves of a time
 
 
@@ -124,7 +123,8 @@ def _refuse_degrees(robot: MotionRobot, q: Array, file: str) -> None:
     turns = np.array(["P" not in robot.model.joints[1 + robot.base + j].shortname() for j in range(q.shape[1])])
     limits, own = robot.limits, np.where(turns, np.radians(q), q)
     beyond = np.where(turns, np.maximum(limits.lower - q, q - limits.upper), 0.0)
-    if (beyond > FAR).any(axis=0).sum() < 2 or ((own < limits.lower - ROUND) | (own > limits.upper + ROUND)).any():
+    out_of_range = (own < limits.lower - USUAL.round_rad) | (own > limits.upper + USUAL.round_rad)
+    if (beyond > USUAL.no_bound_rad).any(axis=0).sum() < 2 or out_of_range.any():
         return
     row, j = np.unravel_index(int(beyond.argmax()), beyond.shape)
     raise BadMotion(Fault(
