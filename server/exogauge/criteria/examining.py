@@ -176,6 +176,12 @@ class Comparing:
         6, "slips", "in one study: who has more has one that was not thought of", judgement(RULES)
     )
     most_doubted: int = criterion(6, "joints", "for which slips are tried, the worst first", judgement(RULES))
+    most_screened: int = criterion(
+        8, "readings", "of positions that a screening leaves to be compared in full, at most", judgement(RULES)
+    )
+    screened: float = criterion(
+        0.3, "1", "of what the best reading gains in a screening: who gains less is not compared", judgement(RULES)
+    )
     far: float = criterion(3.0, "1", "times a limit of the description: no joint was driven there", judgement(RULES))
     sides_before: float = criterion(
         0.5,

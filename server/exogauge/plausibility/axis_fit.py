@@ -96,11 +96,11 @@ class AxisFit:
         r = y - gains[:, None] * self._L
         M = np.concatenate([w @ products for w in every]).reshape(-1, 4, 4)
         M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
-        explained, coefficients = _explained(M, np.concatenate([(w * r) @ Z for w in every]))
+        most, coefficients = explained(M, np.concatenate([(w * r) @ Z for w in every]))
         logs, lefts = np.full(len(gains), -np.inf), np.zeros((len(gains), len(y)))
         for k, (share, w) in enumerate(zip(shares, every, strict=True)):
             own = slice(k * len(gains), (k + 1) * len(gains))
-            found = 0.5 * (explained[own] - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
+            found = 0.5 * (most[own] - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
             better = found > logs
             logs[better] = found[better]
             left = (r - coefficients[own] @ Z.T) * np.sqrt(w) * share  # what a change of the load leaves too
@@ -113,7 +113,7 @@ class AxisFit:
         return Likelihood(all_logs, misfit)
 
 
-def _explained(M: Array, b: Array) -> tuple[Array, Array]:
+def explained(M: Array, b: Array) -> tuple[Array, Array]:
     """(G,) the most that columns with coefficients x explain, x_k >= 0 but for the last; and (G, K) these."""
     G, K = b.shape
     most, best = np.full(G, -np.inf), np.zeros((G, K))

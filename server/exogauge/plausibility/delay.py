@@ -60,8 +60,22 @@ def _of_all_logs(expected: Sequence[Expected]) -> Iterator[Delay]:
         yield shared
     for each in profiles:
         alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz, criteria)
+        alone = alone or (None if shared is not None else _far(expected, each.axis))
         if alone is not None:
             yield alone
+
+
+def _far(expected: Sequence[Expected], axis: int) -> Delay | None:
+    """One axis alone, later than a drive and a bus are: its column is of another clock."""
+    criteria, rate_hz = expected[0].seen.criteria, expected[0].seen.rate_hz
+    shortest = min((each.seen.lags for each in expected), key=len)
+    if any(not np.isin(shortest, each.seen.lags).all() for each in expected):
+        return None
+    kept = [np.isin(each.seen.lags, shortest) for each in expected]
+    efforts = [on_axes(each.robot, each.seen.late[own]) for each, own in zip(expected, kept, strict=True)]
+    found = _sure(shortest, [_Profile(expected, efforts, shortest, axis)], rate_hz, criteria)
+    far = found is not None and abs(found.seconds) > criteria.delay_far_s
+    return found if found is not None and far and found.after <= criteria.delay_far_falls * found.before else None
 
 
 def of_another_clock(expected: Expected) -> Delay | None:

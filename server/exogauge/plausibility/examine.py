@@ -170,6 +170,7 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
 def as_finding(robot: Robot, slip: Slip) -> Finding:
     remedy = slip.remedy
     channels = [channel(robot, remedy, joint) for joint in remedy.joints]
+    half = len(channels) // 2  # of two that are exchanged
     left = f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
     if np.isinf(slip.evidence):
         left = "as it is, it goes far beyond its limits"
@@ -177,8 +178,10 @@ def as_finding(robot: Robot, slip: Slip) -> Finding:
     if slip.as_good is not None and slip.as_good.kind != remedy.kind:
         other = channel(robot, slip.as_good, remedy.joints[0])
         said, advice = f"{said}, if {other} is right; these logs cannot tell which of the two is wrong", advice
-    if len(channels) == 2:
+    if half == 1:
         said = f"and {channels[1]} {said}"
+    elif half:
+        said = f"to {channels[half - 1]} and {channels[half]} to {channels[-1]} {said}"
     if not slip.settled:
         advice = (
             f"look for something else first: so much is left that this is only the nearest of what is tried; {advice}"

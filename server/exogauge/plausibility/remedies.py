@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Literal, final
 
 import numpy as np
@@ -14,13 +15,15 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 Kind = Literal["position", "effort", "both"]
+ZEROS = tuple(np.radians([*range(-150, 0, 30), *range(30, 181, 30)]).tolist())  # tried: half a step is not told
 
 
 @final
 @dataclass(frozen=True)
 class Remedy:
-    """rule: a stable short code. joints: one, or the two that are exchanged. undo: the snapshot as it should have been.
+    """rule: a stable short code. joints: one, or those that are exchanged, the one half with the other in this order.
 
+    undo: the snapshot as it should have been.
     cost: log of how much rarer such a slip is than a reversed sign. value: factor or angle, for the message.
     """
 
@@ -45,27 +48,55 @@ def misread_positions(robot: Robot, joint: int) -> Sequence[Remedy]:
     """Degrees, the other side of the gear, another zero."""
     gear = abs(robot.joints[joint].gear_ratio or 1.0)
     factors = (np.pi / 180.0, 180.0 / np.pi, *((gear, 1.0 / gear) if gear > 1.5 else ()))
-    angles = (-0.5 * np.pi, 0.5 * np.pi, np.pi)
     return [
         *(Remedy("position_scale", "position", (joint,), _scaled(joint, each), 3.0, 1.0 / each) for each in factors),
-        *(Remedy("position_offset", "position", (joint,), _shifted(joint, each), 5.0, -each) for each in angles),
+        *(Remedy("position_offset", "position", (joint,), _shifted(joint, each), 5.0, -each) for each in ZEROS),
     ]
 
 
-def exchanged(one: int, other: int) -> Sequence[Remedy]:
-    pair = (one, other)
+def exchanged(ones: Sequence[int], others: Sequence[int]) -> Sequence[Remedy]:
+    """Each of `ones` with that of `others`: two joints, or two limbs."""
+    joints = (*ones, *others)
+    order = [*others, *ones]
+
+    def swapped(values: Array) -> Array:
+        result = values.copy()
+        result[..., joints] = values[..., order]
+        return result
 
     def positions(seen: Snapshot) -> Snapshot:
-        return replace(seen, q=_swap(seen.q, pair), dq=_swap(seen.dq, pair), ddq=_swap(seen.ddq, pair))
+        return replace(seen, q=swapped(seen.q), dq=swapped(seen.dq), ddq=swapped(seen.ddq))
 
     def efforts(seen: Snapshot) -> Snapshot:
-        return replace(seen, effort=_swap(seen.effort, pair), late=_swap(seen.late, pair))
+        return replace(seen, effort=swapped(seen.effort), late=swapped(seen.late))
 
     return (
-        Remedy("efforts_exchanged", "effort", pair, efforts, 3.0),
-        Remedy("positions_exchanged", "position", pair, positions, 3.0),
-        Remedy("joints_exchanged", "both", pair, lambda seen: efforts(positions(seen)), 3.0),
+        Remedy("efforts_exchanged", "effort", joints, efforts, 3.0),
+        Remedy("positions_exchanged", "position", joints, positions, 3.0),
+        Remedy("joints_exchanged", "both", joints, lambda seen: efforts(positions(seen)), 3.0),
     )
+
+
+def alike_limbs(robot: Robot) -> list[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Joints of two limbs on one body, of two joints or more, that branch alike: two arms, two legs, two fingers."""
+    tree = robot.tree
+    children = dict[int, list[int]]()
+    for body, parent in enumerate(tree.parent):
+        children.setdefault(int(parent), []).append(body)
+
+    def shape(body: int) -> tuple[object, ...]:
+        return (tree.dof[body] >= 0, *(shape(each) for each in children.get(body, [])))
+
+    def joints(body: int) -> list[int]:
+        own = [int(tree.dof[body])] if tree.dof[body] >= 0 else []
+        return own + [joint for each in children.get(body, []) for joint in joints(each)]
+
+    pairs = [pair for siblings in children.values() for pair in combinations(siblings, 2)]
+    return [
+        (tuple(joints(one)), tuple(joints(other)))
+        for one, other in pairs
+        if shape(one) == shape(other) and len(joints(one)) > 1
+    ]
 
 
 def scaled_effort(joint: int, gain: float) -> Remedy:
@@ -100,9 +131,3 @@ def _shifted(joint: int, angle: float) -> Callable[[Snapshot], Snapshot]:
         return replace(seen, q=q)
 
     return undo
-
-
-def _swap(values: Array, pair: tuple[int, int]) -> Array:
-    swapped = values.copy()
-    swapped[..., list(pair)] = values[..., list(pair[::-1])]
-    return swapped

@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Comparing
 from exogauge.plausibility.axis_fit import GAINS, Likelihood
 from exogauge.plausibility.expectation import Expected
-from exogauge.plausibility.remedies import Remedy, exchanged, misread_positions, reversals, scaled_effort
+from exogauge.plausibility.remedies import (
+    Remedy,
+    alike_limbs,
+    exchanged,
+    misread_positions,
+    reversals,
+    scaled_effort,
+)
+from exogauge.plausibility.screening import Screen
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
@@ -100,7 +108,7 @@ class _State:
         self.robot, self.expected = robot, expected
         self.seen = [each.seen for each in expected]
         self.criteria = self.seen[0].criteria if self.seen else Comparing()
-        self._related, self._coupled = _related(robot), _coupled(robot)
+        self._related, self._coupled, self._limbs = _related(robot), _coupled(robot), alike_limbs(robot)
 
     def best_remedy(self) -> Slip | None:
         doubted = self.doubted()
@@ -108,7 +116,7 @@ class _State:
             return None
         tried = list[tuple[Remedy, float]]()
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
-            tried += [(remedy, self.gain(remedy)) for remedy in remedies]
+            tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(remedies)]
             tried.sort(key=lambda each: -each[1])
             if tried and tried[0][1] > self.criteria.decisive and self.settles(tried[0][0]):
                 break  # nothing else need be tried
@@ -153,7 +161,8 @@ class _State:
     def plain_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
         """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried."""
         found = [remedy for joint in doubted for remedy in reversals(joint)]
-        found += [exchanged(one, other)[0] for one, other in combinations(doubted, 2)]
+        found += [exchanged([one], [other])[0] for one, other in combinations(doubted, 2)]
+        found += [exchanged(*limbs)[0] for limbs in self._limbs]
         for joint in doubted:
             for sign in (1.0, -1.0) if len(self._coupled[joint]) == 1 else ():
                 beyond = pooled(self.expected, joint, sign)
@@ -162,8 +171,19 @@ class _State:
         return found
 
     def rare_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
-        found = [remedy for joint in doubted for remedy in misread_positions(self.robot, joint)]
-        return found + [remedy for one, other in combinations(doubted, 2) for remedy in exchanged(one, other)[1:]]
+        """Of all joints whose position moves the load of one in doubt: what is wrong there may show elsewhere alone."""
+        about = [j for j in range(len(self.robot.joints)) if not self._related[j].isdisjoint(doubted)]
+        found = [remedy for joint in about for remedy in misread_positions(self.robot, joint)]
+        found += [remedy for joint in set(about) - set(doubted) for remedy in reversals(joint)[1:]]
+        pairs = [*(((one,), (other,)) for one, other in combinations(about, 2)), *self._limbs]
+        return found + [remedy for ones, others in pairs for remedy in exchanged(ones, others)[1:]]
+
+    def worth_trying(self, remedies: Sequence[Remedy]) -> list[Remedy]:
+        """Without those of positions that a fit with bodies as described holds for worse than others."""
+        efforts = [each for each in remedies if each.kind == "effort"]
+        positions = [each for each in remedies if each.kind != "effort"]
+        touched = [self._touched(each) for each in positions]
+        return efforts + Screen(self.robot, self.seen, self.axes()).best(positions, touched)
 
     def gain(self, remedy: Remedy) -> float:
         """In log likelihood of all that the remedy changes, less what its rarity costs."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -21,6 +21,7 @@ from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
+MOMENTS = ("q", "dq", "ddq", "acc", "gyro", "gyro_dot", "effort", "wrenches")  # of a snapshot, along the first axis
 
 
 @final
@@ -59,6 +60,11 @@ class Snapshot:
     @property
     def motion(self) -> Motion:
         return Motion(self.q, self.dq, self.ddq, self.acc, self.gyro, self.gyro_dot)
+
+    def every(self, step: int) -> Snapshot:
+        """Of the moments one in `step`."""
+        some = {name: getattr(self, name)[::step] for name in MOMENTS}
+        return replace(self, late=self.late[:, ::step], late_wrenches=self.late_wrenches[:, ::step], **some)
 
 
 def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
