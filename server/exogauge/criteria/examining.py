@@ -136,7 +136,7 @@ class Comparing:
     )
     offset: float = criterion(0.3, "of an effort's rms", "std of what is constant in it", judgement(RULES))
     independent: float = criterion(
-        0.25, "1", "of all moments: what is left unmodelled is alike at neighbours", judgement(RULES)
+        0.4, "1", "of all moments: what is left unmodelled is alike at neighbours", judgement(RULES)
     )
     moving: float = criterion(0.1, "1", "of an axis' usual speed, from which on it counts as moving", judgement(RULES))
     moving_least: float = criterion(

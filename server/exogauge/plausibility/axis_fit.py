@@ -81,15 +81,12 @@ class AxisFit:
         self._Z = U.T @ (Z / np.where(size > 1e-9, size, np.inf))
         self._L, self._U = U.T @ load[m], U
 
-    def likelihood(self, effort: Array, backwards: bool = False, among: NDArray[np.bool_] = ALL_GAINS) -> Likelihood:
-        """effort: (N,) [N·m]. backwards: as if the axis moved the other way, as far as friction can tell.
-
-        among: (GAINS,) the factors that are tried; the others have no likelihood.
-        """
+    def likelihood(self, effort: Array, among: NDArray[np.bool_] = ALL_GAINS) -> Likelihood:
+        """effort: (N,) [N·m]. among: (GAINS,) the factors that are tried; the others have no likelihood."""
         gains = GAINS[among]
         y = effort[self.moving]
         rms = float(np.sqrt(np.mean(y**2))) + 1e-9
-        y, Z = self._U.T @ y, self._Z * np.where(backwards, [-1.0, -1.0, -1.0, 1.0], 1.0)
+        y, Z = self._U.T @ y, self._Z
         products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
         shares = [share * rms for share in self._criteria.unmodelled]
         every = [1.0 / (gains[:, None] ** 2 * self._lambda + share**2) for share in shares]  # (G, N) each

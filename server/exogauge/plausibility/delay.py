@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 class Delay:
     """seconds: > 0 late. axes: alike so. before, after: of the first one, share of its effort that is left.
 
-    log: the only one that is so; empty where all are.
+    log: the only one that is so; empty where all are. far: later than drives and buses are, or earlier.
     """
 
     seconds: float
@@ -30,6 +30,7 @@ class Delay:
     before: float
     after: float
     log: str = ""
+    far: bool = False
 
 
 def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
@@ -46,49 +47,41 @@ def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
 
 
 def _of_all_logs(expected: Sequence[Expected]) -> Iterator[Delay]:
-    """Within what a drive and a bus are late by: beyond, a wrong model gains as well as a right one."""
+    """By as much as drives and buses are late; where there is none, by as much as clocks that began apart."""
     axes = [a for a in range(len(expected[0].robot.joints)) if any(each.tells(a) for each in expected)]
     criteria, rate_hz = expected[0].seen.criteria, expected[0].seen.rate_hz
-    near = [np.abs(each.seen.lags) < criteria.delay_far_s + 0.5 / rate_hz for each in expected]
-    lags = expected[0].seen.lags[near[0]]
-    if not axes or any(not np.array_equal(each.seen.lags[own], lags) for each, own in zip(expected, near, strict=True)):
+    every = min((each.seen.lags for each in expected), key=len)
+    if not axes or any(not np.isin(every, each.seen.lags).all() for each in expected):
         return  # logs of other rates were shifted otherwise
-    efforts = [on_axes(each.robot, each.seen.late[own]) for each, own in zip(expected, near, strict=True)]
-    profiles = [_Profile(expected, efforts, lags, a) for a in axes]
-    shared = _sure(lags, profiles, rate_hz, criteria)
-    if shared is not None:
-        yield shared
-    for each in profiles:
-        alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz, criteria)
-        alone = alone or (None if shared is not None else _far(expected, each.axis))
-        if alone is not None:
-            yield alone
+    near = every[np.abs(every) < criteria.delay_far_s + 0.5 / rate_hz]
+    told = set[int]()
+    for lags in (near, every) if len(every) > len(near) else (near,):
+        profiles = [] if told else _profiles(expected, lags, axes)
+        for some in (profiles, *([each] for each in profiles)) if profiles else ():
+            found = _sure(lags, some, rate_hz, criteria)
+            if found is not None and told.isdisjoint(found.axes) and (lags is near or _believed(found, criteria)):
+                told.update(found.axes)
+                yield found
 
 
-def _far(expected: Sequence[Expected], axis: int) -> Delay | None:
-    """One axis alone, later than a drive and a bus are: its column is of another clock."""
-    criteria, rate_hz = expected[0].seen.criteria, expected[0].seen.rate_hz
-    shortest = min((each.seen.lags for each in expected), key=len)
-    if any(not np.isin(shortest, each.seen.lags).all() for each in expected):
-        return None
-    kept = [np.isin(each.seen.lags, shortest) for each in expected]
+def _believed(found: Delay, criteria: Comparing) -> bool:
+    """A wrong model gains by a shift as well: of a long one more is asked."""
+    return not found.far or found.after <= criteria.delay_far_falls * found.before
+
+
+def _profiles(expected: Sequence[Expected], lags: Array, axes: Sequence[int]) -> list[_Profile]:
+    kept = [np.isin(each.seen.lags, lags) for each in expected]
     efforts = [on_axes(each.robot, each.seen.late[own]) for each, own in zip(expected, kept, strict=True)]
-    found = _sure(shortest, [_Profile(expected, efforts, shortest, axis)], rate_hz, criteria)
-    far = found is not None and abs(found.seconds) > criteria.delay_far_s
-    return found if found is not None and far and found.after <= criteria.delay_far_falls * found.before else None
+    return [_Profile(expected, efforts, lags, a) for a in axes]
 
 
 def of_another_clock(expected: Expected) -> Delay | None:
     """Of one log, on half of its axes or more."""
     axes = [a for a in range(len(expected.robot.joints)) if expected.tells(a)]
     lags, criteria = expected.seen.lags, expected.seen.criteria
-    efforts = [on_axes(expected.robot, expected.seen.late)]
-    profiles = [_Profile([expected], efforts, lags, a) for a in axes]
+    profiles = _profiles([expected], lags, axes)
     found = _sure(lags, profiles, expected.seen.rate_hz, criteria) if profiles else None
-    if found is None or 2 * len(found.axes) < len(axes):
-        return None
-    far = abs(found.seconds) > criteria.delay_far_s
-    if far and found.after > criteria.delay_far_falls * found.before:
+    if found is None or 2 * len(found.axes) < len(axes) or not _believed(found, criteria):
         return None
     return replace(found, log=expected.seen.log)
 
@@ -135,8 +128,9 @@ def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float, criteria: C
         or abs(seconds) < max(criteria.delay_least_s, criteria.delay_samples / rate_hz)
     ):
         return None
-    worst = alike[0]
-    return Delay(seconds, tuple(each.axis for each in alike), float(worst.misfit[at_once]), float(worst.misfit[k]))
+    worst, far = alike[0], abs(seconds) > criteria.delay_far_s
+    before, after = float(worst.misfit[at_once]), float(worst.misfit[k])
+    return Delay(seconds, tuple(each.axis for each in alike), before, after, far=far)
 
 
 def summit(x: Array, y: Array) -> float:

@@ -162,7 +162,9 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
     if delay.log:
         advice = "is it of another clock? In this log's mapping name the file twice, for efforts with a `delay_s`"
         return Finding("warning", names[0], OTHER_CLOCK, detail, advice, value=delay.seconds)
-    if delay.seconds < 0.0:
+    if delay.far:
+        advice = "is it of another clock? In a mapping name its file once more, with a `delay_s`"
+    elif delay.seconds < 0.0:
         advice += "; is it the commanded torque, not the measured one?"
     return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.prior import inertial_std
-from exogauge.plausibility.axis_fit import AxisFit, Likelihood, in_motion
+from exogauge.plausibility.axis_fit import ALL_GAINS, AS_DESCRIBED, AxisFit, Likelihood, in_motion
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 from exogauge.robots.regressor import regressor
@@ -61,11 +61,12 @@ class Expected:
         """Its effort is logged, and it moves in enough of the moments."""
         return bool(self.seen.alive[axis]) and int(self.moving[:, axis].sum()) >= self.seen.criteria.fewest
 
-    def likelihood(self, axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
-        """sign: of the effort. backwards: see `AxisFit.likelihood`."""
-        key = (axis, sign, backwards)
-        if key not in self._known:
-            self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], backwards)
+    def likelihood(self, axis: int, sign: float = 1.0, near: bool = False) -> Likelihood:
+        """sign: of the effort. near: by factors near one alone, where no other is asked for."""
+        key = next((each for each in ((axis, sign, False), (axis, sign, near)) if each in self._known), None)
+        if key is None:
+            key, among = (axis, sign, near), AS_DESCRIBED if near else ALL_GAINS
+            self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], among)
         return self._known[key]
 
     def with_effort(self, seen: Snapshot) -> Expected:

@@ -37,18 +37,16 @@ class Screen:
 
         A few moments of one log tell most of them from those that are asked of more.
         """
-        criteria, kept = self._criteria, np.arange(len(remedies))
-        gains = np.zeros(0)
-        for logs, step, most in ((1, 4, 8 * criteria.most_screened), (2, 2, criteria.most_screened)):
+        criteria, kept = self._criteria, [*zip(remedies, touched, strict=True)]
+        for logs, step, most in ((1, 2, 8 * criteria.most_screened), (2, 1, criteria.most_screened)):
             if len(kept) > criteria.most_screened:
-                some = [remedies[k] for k in kept]
-                on = [touched[k] for k in kept]
-                gains = np.sum([self._gains(each.every(step), some, on) for each in self._seen[:logs]], axis=0)
-                order = np.argsort(-gains, kind="stable")[:most]
-                order = order[gains[order] > 0.0]
-                kept, gains = kept[order], gains[order]
-        near = gains >= criteria.screened * gains[:1] if len(gains) else np.ones(len(kept), dtype=bool)
-        return [remedies[k] for k in kept[near]]
+                gains = np.sum(
+                    [self._gains(each.every(step), *zip(*kept, strict=True)) for each in self._seen[:logs]], 0
+                )
+                least = max(1e-9, criteria.screened * float(gains.max())) if logs > 1 else 1e-9
+                order = np.argsort(-gains, kind="stable")[:most].tolist()
+                kept = [kept[k] for k in order if gains[k] >= least]
+        return [remedy for remedy, _ in kept]
 
     def _gains(self, seen: Snapshot, remedies: Sequence[Remedy], touched: Sequence[Sequence[int]]) -> Array:
         """(R,) in log likelihood, over the moments in which an axis moves by both readings."""

@@ -125,18 +125,26 @@ class _State:
         remedy, evidence = tried[0]
         axis = remedy.joints[0]
         then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
-        as_good = [
-            other
-            for other, its in tried[1:]
-            if its > evidence - self.criteria.undecided and other.joints == remedy.joints
-        ]
         left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
-        return Slip(remedy, evidence, *left, as_good[0] if as_good else None)
+        return Slip(remedy, evidence, *left, self.as_good(remedy, tried))
+
+    def as_good(self, best: Remedy, tried: Sequence[tuple[Remedy, float]]) -> Remedy | None:
+        """Of the same joints, one that the data do not tell from the best."""
+        if best.rule == "efforts_exchanged":  # two that are built alike bear alike: the positions may be the other's
+            half = len(best.joints) // 2
+            other = exchanged(best.joints[:half], best.joints[half:])[1]
+            moving = [Expected(self.robot, other.undo(each.seen)).moving & each.moving for each in self.expected]
+            close = self.gain(best, moving) - self.gain(other) < self.criteria.undecided
+            return other if close else None
+        least = dict(tried)[best] - self.criteria.undecided
+        rivals = (each for each, its in tried if each is not best and its > least and each.joints == best.joints)
+        return next(rivals, None)
 
     def settles(self, remedy: Remedy) -> bool:
-        """Whether no axis that the remedy touches stays in doubt with it; a factor of an effort hides much else."""
+        """Whether no axis stays in doubt with it that is now, or that it touches; a factor of an effort hides much."""
         then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
-        return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in self._touched(remedy))
+        asked = {*self._touched(remedy), *self.doubted()}
+        return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in asked)
 
     def settled(self, slip: Slip) -> bool:
         logs = [k for k, each in enumerate(self.seen) if each.log in slip.logs]
@@ -185,8 +193,11 @@ class _State:
         touched = [self._touched(each) for each in positions]
         return efforts + Screen(self.robot, self.seen, self.axes()).best(positions, touched)
 
-    def gain(self, remedy: Remedy) -> float:
-        """In log likelihood of all that the remedy changes, less what its rarity costs."""
+    def gain(self, remedy: Remedy, moving: Sequence[NDArray[np.bool_]] | None = None) -> float:
+        """In log likelihood of all that the remedy changes, less what its rarity costs.
+
+        moving: the moments of each log that count, (N, A) each; default those in which axes move by both readings.
+        """
         axes = self._touched(remedy)
         if remedy.rule == "effort_scale":
             (joint,), value = remedy.joints, remedy.value or 1.0
@@ -195,17 +206,18 @@ class _State:
         undone = [remedy.undo(each) for each in self.seen]
         if remedy.kind == "effort":
             now = self.expected
-            then = [each.with_effort(seen) for each, seen in zip(self.expected, undone, strict=True)]
+            if moving is not None:
+                now = [Expected(self.robot, *each) for each in zip(self.seen, moving, strict=True)]
+            then = [each.with_effort(seen) for each, seen in zip(now, undone, strict=True)]
         elif len(remedy.joints) == 1:
             now = self.expected
-            pairs = zip(self.expected, undone, strict=True)
-            then = [Expected(self.robot, seen, each.moving) for each, seen in pairs]
+            then = [Expected(self.robot, seen, each.moving) for each, seen in zip(now, undone, strict=True)]
         else:  # the same moments count for both
             then = [Expected(self.robot, seen) for seen in undone]
             both = [one.moving & other.moving for one, other in zip(self.expected, then, strict=True)]
             now = [Expected(self.robot, seen, moving) for seen, moving in zip(self.seen, both, strict=True)]
             then = [Expected(self.robot, seen, moving) for seen, moving in zip(undone, both, strict=True)]
-        change = (pooled(then, axis).described - pooled(now, axis).described for axis in axes)
+        change = (pooled(then, axis, near=True).described - pooled(now, axis, near=True).described for axis in axes)
         return sum(change) - remedy.cost
 
     def _touched(self, remedy: Remedy) -> list[int]:
@@ -215,9 +227,9 @@ class _State:
         return sorted(telling & set().union(*(self._related[joint] for joint in remedy.joints)))
 
 
-def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
-    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort."""
-    telling = [one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)]
+def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, *, near: bool = False) -> Likelihood:
+    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort. near: to one."""
+    telling = [one.likelihood(axis, sign, near=near) for one in expected if one.tells(axis)]
     return together(telling, expected[0].seen.criteria.as_good_as)
 
 

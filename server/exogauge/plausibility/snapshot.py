@@ -69,7 +69,7 @@ class Snapshot:
 
 def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     """None where channels are missing or hold no number, or the log is too short to be low-passed."""
-    moments = 160  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
+    moments = 100  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
     names = needed_channels(robot)
     if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
         return None
