@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 import scipy
@@ -99,10 +99,11 @@ def _stored_sections(stored: StoredPass, rate_hz: float) -> tuple[Array, Array, 
     settled, and by how many what is slow comes out late."""
     order, hz = stored.order, stored.hz
     if stored.kind == "bessel":
-        zeros, poles, scale = scipy.signal.bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
+        designed: Any = scipy.signal.bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
     else:
-        zeros, poles, scale = scipy.signal.butter(order, hz, fs=rate_hz, output="zpk")
-    sections = scipy.signal.zpk2sos(zeros, poles, scale)
+        designed = scipy.signal.butter(order, hz, fs=rate_hz, output="zpk")
+    zeros, poles, scale = designed
+    sections = scipy.signal.zpk2sos(zeros, poles, scale)  # as SciPy's designs do themselves
     late = float(np.sum(poles / (1.0 - poles)).real - np.sum(zeros / (1.0 - zeros)).real) if stored.late else 0.0
     return sections, scipy.signal.sosfilt_zi(sections), _settled_after(poles), late
 
