@@ -51,7 +51,7 @@ SESSION = {  # of one's own account, in whichever lab or none
 }  # fmt: skip
 ADMIN = {
     "closeLab", "renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
-    "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
+    "getRetention", "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
 }  # fmt: skip
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
 READ = {  # by a process of its own, which takes a second: asked for once

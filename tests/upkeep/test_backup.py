@@ -165,6 +165,18 @@ def test_a_second_backup_copies_only_what_is_new(filled: Installation, tmp_path:
         back_up(filled, tmp_path / "other", "me")
 
 
+def test_a_place_where_nothing_is_makes_no_backup_and_spares_the_one_that_is_there(
+    filled: Installation, elsewhere: str, tmp_path: Path
+) -> None:
+    back_up(filled, tmp_path / "backup", "me")
+    before = backup.read_manifest(tmp_path / "backup")
+    mistyped = open_installation(Settings(data_dir=tmp_path / "typo", database_url=elsewhere), migrating=True)
+    with pytest.raises(Conflict, match="nothing of exogauge"):
+        back_up(mistyped, tmp_path / "backup", "me")
+    mistyped.close()
+    assert backup.read_manifest(tmp_path / "backup") == before
+
+
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_no_sweep_runs_beside_a_backup(filled: Installation, tmp_path: Path) -> None:
     with filled.session() as session:
