@@ -274,4 +274,6 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("filterwarnings", "ignore:Using `httpx` with `starlette.testclient`")
     for name in [name for name in os.environ if name.startswith("EXOGAUGE_") and "TEST" not in name]:
         del os.environ[name]
+    if "PYTEST_XDIST_WORKER" in os.environ:  # others have the other processors: threads cost a tenth, looks ahead more
+        os.environ["EXOGAUGE_CORES"] = "1"
     assert sys.version_info >= (3, 11)
