@@ -152,6 +152,9 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
     metres, told["unit"] = _metres(path, captured, unit, height)
     if tall is not None and not USUAL.shortest_m <= height * metres <= USUAL.tallest_m:
         told["unit_doubt"] = f"feet to head would be {height * metres:.3g} m"
+        if not USUAL.shortest_m / USUAL.no_body <= height * metres <= USUAL.tallest_m * USUAL.no_body:
+            raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm or in", column="unit",
+                        value=told["unit"])  # fmt: skip
     turn = _upright(axis)
     if body is None:
         place = points @ turn.T * metres
