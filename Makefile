@@ -18,7 +18,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check checked types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -49,8 +49,8 @@ web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `m
 openapi: $(READY)  ## write web/openapi.json, which the web app's types are made of
 	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
 
-test: check  ## what `make check` does and the slow tests: all but those that drive a browser, which `make e2e` runs
-	$(TESTS) -m "slow and not e2e"
+test: checked  ## what `make check` does and the slow tests: all but those that drive a browser, which `make e2e` runs
+	$(TESTS) -m "not e2e"  # quick ones too: they are collected once, and share what the slow ones of their file evaluate
 
 e2e: web  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
 	@$(CHROMIUM)
@@ -60,9 +60,11 @@ screenshots: web  ## the same, keeping a picture of every page in the folder SCR
 	@$(CHROMIUM)
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
-check: web  ## style, types, import layers, migrations and the quick tests
-	@$(MAKE) --no-print-directory -j 2 types compiled style layers page
+check: checked  ## style, types, import layers, migrations and the quick tests
 	$(TESTS) -m "not slow"
+
+checked: web
+	@$(MAKE) --no-print-directory -j 2 types compiled style layers page
 
 types:
 	$(BIN)/mypy

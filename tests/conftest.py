@@ -26,6 +26,9 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.storage.store import Storage
 
 KINDS = ("sqlite", "postgresql")
+LONG = (
+    "api/test_live.py", "discrepancy/test_band_effects.py", "discrepancy/test_band_limit.py", "upkeep/test_backup.py",
+)  # fmt: skip
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")
 ]
@@ -46,8 +49,10 @@ def pytest_collection() -> Generator[None, object, object]:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL. What stands beside this file, whole samples
-    above all, begins first: of the longest none is left for the end, when the other processes have nothing to do."""
-    items.sort(key=lambda item: item.path.parent != Path(__file__).parent)
+    above all, begins first, and what takes a minute or more: of the longest none is left for the end, when the other
+    processes have nothing to do."""
+    here = Path(__file__).parent
+    items.sort(key=lambda item: item.path.parent != here and item.path.relative_to(here).as_posix() not in LONG)
     for item in items:
         values = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(each, str) and each == "postgresql" for each in values):
@@ -274,4 +279,6 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("filterwarnings", "ignore:Using `httpx` with `starlette.testclient`")
     for name in [name for name in os.environ if name.startswith("EXOGAUGE_") and "TEST" not in name]:
         del os.environ[name]
+    if "PYTEST_XDIST_WORKER" in os.environ:  # others have the other processors: threads cost a tenth, looks ahead more
+        os.environ["EXOGAUGE_CORES"] = "1"
     assert sys.version_info >= (3, 11)

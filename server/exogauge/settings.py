@@ -82,6 +82,11 @@ class Settings(BaseSettings):
         description='by lab, {"LAB": DAYS}: its studies go with jobs and results so long after they were last worked '
         "with; labs that are not named keep all",
     )
+    audit_kept_days: float = Field(
+        default=3650.0,  # as long as research data are usually kept (DFG, Good Research Practice, guideline 17)
+        ge=30.0,
+        description="from which age on `exogauge audit` takes entries of the audit; the service removes none",
+    )
     max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
     max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
     upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")

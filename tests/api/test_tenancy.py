@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import json
 import re
+from collections import defaultdict
 from dataclasses import dataclass, field
 from datetime import timedelta
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -32,6 +34,8 @@ from exogauge.storage.store import Store
 from exogauge.storage.tables import Artifact, Base, Job, Result, new_id, utc_now
 
 V1 = "/api/v1"
+DOCUMENT = Path(__file__).parents[2] / "web" / "openapi.json"  # the API's own: `test_openapi_file` holds that
+PATHS: dict[str, Any] = json.loads(DOCUMENT.read_text(encoding="utf-8"))["paths"]
 JSON, FORM, TUS = "json", "files", "tus"
 OPEN = {  # what needs nobody to say who they are, and proves itself otherwise or holds no data
     ("GET", "/api/v1/session"), ("POST", "/api/v1/session"), ("DELETE", "/api/v1/session"), ("POST", "/api/v1/set-up"),
@@ -47,7 +51,7 @@ SESSION = {  # of one's own account, in whichever lab or none
 }  # fmt: skip
 ADMIN = {
     "closeLab", "renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
-    "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
+    "getRetention", "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
 }  # fmt: skip
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
 READ = {  # by a process of its own, which takes a second: asked for once
@@ -223,12 +227,11 @@ NAMED_ELSEWHERE = {  # what names a thing of a lab not in its path: the other la
 }  # fmt: skip
 
 
-def operations(app: FastAPI) -> list[tuple[str, str, str]]:
+def operations() -> list[tuple[str, str, str]]:
     """Method, path, operationId of all that the app answers and the document tells."""
-    paths = app.openapi()["paths"]
     return [
         (method.upper(), path, each["operationId"])
-        for path, methods in paths.items()
+        for path, methods in PATHS.items()
         for method, each in methods.items()
     ]
 
@@ -241,12 +244,16 @@ def ask(client: TestClient, world: World, method: str, path: str, name: str) -> 
     return answer
 
 
-def of_labs(app: FastAPI) -> list[tuple[str, str, str]]:
-    return [each for each in operations(app) if each[:2] not in OPEN and each[2] not in SESSION]
+def on_sqlite(world: World) -> bool:
+    return world.people.installation.engine.dialect.name == "sqlite"
 
 
-def test_every_route_is_sorted_and_closed_unless_it_is_said(app: FastAPI) -> None:
-    for method, path, name in operations(app):
+def of_labs() -> list[tuple[str, str, str]]:
+    return [each for each in operations() if each[:2] not in OPEN and each[2] not in SESSION]
+
+
+def test_every_route_is_sorted_and_closed_unless_it_is_said() -> None:
+    for method, path, name in operations():
         right = right_of(method, path)
         expected = (
             "open" if (method, path) in OPEN else "session" if name in SESSION else "admin" if name in ADMIN
@@ -259,15 +266,15 @@ def test_every_route_is_sorted_and_closed_unless_it_is_said(app: FastAPI) -> Non
     assert right_of("POST", "/api/v1/session/") == "session"
 
 
-def test_every_table_of_labs_is_looked_for_in_the_answers(app: FastAPI) -> None:
-    names = {name for _, _, name in operations(app)}
+def test_every_table_of_labs_is_looked_for_in_the_answers() -> None:
+    names = {name for _, _, name in operations()}
     assert set(Base.metadata.tables) == set(SEEN_BY_ROUTES) | NOT_OF_A_LAB
     assert {name for name in SEEN_BY_ROUTES.values() if name is not None} <= names
 
 
-def test_every_body_is_known(app: FastAPI, world: World) -> None:
-    known = bodies(world.north)
-    for path, methods in app.openapi()["paths"].items():
+def test_every_body_is_known() -> None:
+    known = bodies(defaultdict(str))
+    for path, methods in PATHS.items():
         for method, each in methods.items():
             if "requestBody" in each and (method.upper(), path) not in OPEN:
                 assert each["operationId"] in known, each["operationId"]
@@ -287,9 +294,8 @@ def test_nobody_a_revoked_token_and_a_session_that_is_over_get_nothing_but_401(a
     clients = [TestClient(app, base_url=ORIGIN, headers=PAGE)]
     clients += [TestClient(app, base_url=ORIGIN, headers=PAGE, cookies={COOKIE: each}) for each in (over, late, "x")]
     clients += [TestClient(app, base_url=ORIGIN, headers=each) for each in bearer]
-    for method, path, name in operations(app):
-        if (method, path) in OPEN:
-            continue
+    closed = [each for each in operations() if each[:2] not in OPEN]
+    for method, path, name in closed if on_sqlite(world) else closed[::10]:  # no database decides which it is
         for client in clients:
             answer = ask(client, world, method, path, name)
             assert answer.status_code == 401, (method, path, answer.text)
@@ -303,7 +309,7 @@ def test_an_account_of_no_lab_gets_nothing(app: FastAPI, world: World) -> None:
         headers=PAGE,
         cookies={COOKIE: world.people.session(world.people.person("no@example.org"))},
     )
-    for method, path, name in [*of_labs(app), ("GET", f"{V1}/tokens", "listTokens")]:
+    for method, path, name in [*of_labs(), ("GET", f"{V1}/tokens", "listTokens")]:
         answer = ask(client, world, method, path, name)
         assert answer.status_code == 403, (method, path, answer.text)
         assert not shown(answer, world), (method, path)
@@ -319,8 +325,8 @@ def test_a_viewer_reads_and_changes_nothing(app: FastAPI, world: World) -> None:
     )
     before = rows(world)
     for client in (browser, program):
-        for method, path, name in of_labs(app):
-            if client is program and name in READ:  # its right is that of the browser's
+        for method, path, name in of_labs():
+            if name in READ and (client is program or not on_sqlite(world)):  # its right is that of the browser's
                 continue
             answer = ask(client, world, method, path, name)
             right = right_of(method, path)
@@ -341,7 +347,7 @@ def test_another_lab_gets_404_for_what_is_named_and_finds_nothing_of_it(app: Fas
         app, base_url=ORIGIN, headers={"Authorization": f"Bearer {token}"}, raise_server_exceptions=False
     )
     before = rows(world)
-    asked = [each for each in operations(app) if each[:2] not in OPEN and each[2] != "signOutElsewhere"]
+    asked = [each for each in operations() if each[:2] not in OPEN and each[2] != "signOutElsewhere"]
     for client in (admin, robot):
         for method, path, name in asked:
             answer = ask(client, world, method, path, name)
@@ -366,7 +372,7 @@ def test_the_lab_itself_finds_all_of_it(app: FastAPI, world: World) -> None:
         "compareDevice",
     }  # fmt: skip
     found = set[str]()
-    for method, path, name in of_labs(app):
+    for method, path, name in of_labs():
         if method in ("GET", "HEAD") and name not in by_content | READ:  # of those a viewer finds all
             answer = ask(client, world, method, path, name)
             assert answer.status_code != 404, (path, answer.text)

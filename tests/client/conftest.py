@@ -62,8 +62,9 @@ class Service:
             assert self.process.wait(timeout=30) in (0, -15)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """One for all who leave it as it is."""
     made = Service(tmp_path_factory.mktemp("service"))
     made.url = made.start()
     yield made

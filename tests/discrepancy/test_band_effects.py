@@ -46,7 +46,7 @@ from exogauge.support.repeatability import Null, Repeatability
 from exogauge.support.settings import WornLog
 from exogauge.support.stiffness import identify_bands
 
-RATE, SECONDS, EVERY = 100.0, 24.0, 8
+RATE, SECONDS, EVERY = 100.0, 16.0, 8
 JOINTS = ("yaw", "pitch", "shoulder")
 K, LENGTHS = 600.0, {"left": 0.50, "right": 0.505}  # [N/m], [m]
 NOISE, MEMORY = 0.06, 0.7  # [N·m] of every joint, correlation of neighbouring samples

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
+import time
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,12 +16,11 @@ from playwright.sync_api import expect
 from tests.e2e.arm import arm_study, zipped
 from tests.e2e.test_import_page import hand_in_arm, vendor_log
 from tests.e2e.test_studies_page import A_STUDY, drop
+from tests.whole_service import small_study
 
 from exogauge import Client
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from playwright.sync_api import Page, Route
     from tests.e2e.conftest import Seen, Service
 
@@ -107,6 +111,37 @@ def slow_down(page: Page) -> None:
     line = page.context.new_cdp_session(page)
     line.send("Network.enable")
     line.send("Network.emulateNetworkConditions", SLOW)
+
+
+def test_a_job_whose_process_was_killed_is_begun_anew_and_the_page_says_so(
+    page: Page, service: Service, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    for path, content in small_study("killed on the way").items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    with Client(service.url) as client:
+        job = client.submit(client.upload_study(tmp_path))
+        page.goto(f"/studies/{job.study_id}")
+        while (now := client.job(job)).progress == 0.0:
+            assert now.state in ("queued", "running")
+            time.sleep(0.1)
+        os.kill(computing(service.data), signal.SIGKILL)
+        expect(page.get_by_text("Begun 2 times")).to_be_visible()
+        assert client.wait(job, progress=False).state == "succeeded"
+    expect(page.get_by_text("Begun 2 times")).to_contain_text("Nothing that was handed in is lost")
+    screenshot("begun-again")
+    page.get_by_text("Begun 2 times").get_by_role("link", name="Log and raw data").click()
+    expect(page.get_by_role("region", name="Log of the job")).to_contain_text("signal 9")
+
+
+def computing(data: Path) -> int:
+    """The process that computes for the service with this folder."""
+    for entry in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            words, environment = (entry / "cmdline").read_bytes(), (entry / "environ").read_bytes()
+            if b"exogauge.jobs.child" in words and f"EXOGAUGE_DATA_DIR={data}\0".encode() in environment:
+                return int(entry.name)
+    raise AssertionError("nothing computes")
 
 
 @pytest.mark.parametrize("part", ["", "/summary", "/identification", "/support", "/disagreement", "/plots?robot=yes"])

@@ -40,7 +40,8 @@ def service(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Itera
             "EXOGAUGE_OIDC_ISSUER": f"http://localhost:{server.server_port}", "EXOGAUGE_OIDC_CLIENT_ID": "exo",
             "EXOGAUGE_OIDC_CLIENT_SECRET": "secret", "EXOGAUGE_OIDC_NAME": "Uni",
         }  # fmt: skip
-        with running(folder, workers=0, EXOGAUGE_ACCOUNTS="1", **oidc) as started:
+        ages = {"EXOGAUGE_STUDIES_KEPT_DAYS": '{"local": 365}'}
+        with running(folder, workers=0, EXOGAUGE_ACCOUNTS="1", **ages, **oidc) as started:
             yield started
 
 
@@ -129,6 +130,24 @@ def at_provider(page: Page, subject: str) -> None:
     page.wait_for_url("**/oauth2/authorize**")
     page.locator("input[name=sub]").first.fill(subject)
     page.locator("input[name=sub]").first.press("Enter")
+
+
+def test_an_admin_sees_what_goes_by_age_and_what_to_ask_for(
+    page: Page, service: Service, labs: dict[str, str], screenshot: Callable[..., None]
+) -> None:
+    assert labs["North"] == "local"  # the first lab is that of the settings, which the service's name by this id
+    installation = open_installation(Settings(data_dir=service.data))
+    evaluated(Behind(installation), labs["North"], results(205.0, 1.0))  # type: ignore[arg-type]
+    installation.close()
+    sign_in(page)
+    page.goto("/lab")
+    page.get_by_role("tab", name="What goes by age").click()
+    row = page.get_by_role("row").filter(has_text="Studies, with jobs and results")
+    expect(row).to_contain_text("365")
+    expect(page.get_by_role("region", name="Studies that go next: table").get_by_role("link").first).to_be_visible()
+    expect(page.get_by_role("row").filter(has_text="Uploaded logs")).to_contain_text("for good")
+    expect(page.get_by_text("EXOGAUGE_STUDIES_KEPT_DAYS='{\"local\": 365}'")).to_be_visible()
+    screenshot("what-goes-by-age")
 
 
 def test_a_webhook_is_added_tried_and_removed_and_the_lab_is_closed(

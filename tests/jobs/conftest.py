@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.whole_service import small_study
 
 from exogauge.jobs import recipes, requests
 from exogauge.jobs.code_version import code_version
@@ -27,6 +29,7 @@ from exogauge.storage.store import Installation, Storage, open_installation
 HERE = Path(__file__).parent
 PROGRAM = HERE / "burning.py"
 BURN = recipes.Recipe("burn", "burning:burn", timeout_s=60.0)
+SAYS_WHICH = {"inputs", "configuration"}  # of results.json: both hold hashes of what was handed in
 DEADLINE_S = 60.0  # for a machine that is busy with other things; nothing waits that long when all is well
 
 
@@ -73,6 +76,24 @@ class Workshop:
         wanted = {"ledger": str(self.ledger(name)), **settings}
         with self.storage.transaction() as store:
             return requests.submit(store, self.queue, self.study.id, "burn", wanted)[0]
+
+    def evaluate(self, name: str) -> JobRecord:
+        """A real evaluation, of a small study whose name alone is its own."""
+        with self.storage.transaction() as store:
+            pinned = [
+                PinnedFile(path, store.blobs.put(content), len(content)) for path, content in small_study(name).items()
+            ]
+            study, _ = store.studies.add(name, pinned, {})
+        with self.storage.transaction() as store:
+            return requests.submit(store, self.queue, study.id, "evaluate", {})[0]
+
+    def numbers(self, job: JobRecord) -> dict[str, Any]:
+        """Of results.json what does not say of which study, when and by which run."""
+        with self.storage.reading() as store:
+            (found,) = (each for each in store.results.artifacts(job.id) if each.name == "results.json")
+            with store.blobs.stored(found.sha256) as stream:
+                results = json.load(stream)
+        return {key: results[key] for key in results if key not in SAYS_WHICH}
 
     def elsewhere(self, lab_id: str) -> Workshop:
         """The same installation, as another lab sees it: with a study of its own, and without workers of its own."""

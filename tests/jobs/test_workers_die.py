@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
+from tests.whole_service import descendants
 
 from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.code_version import code_version
@@ -25,6 +28,48 @@ def test_a_job_of_a_killed_worker_is_finished_by_another_and_ends_once(workshop)
     assert done.worker != running.worker
     assert workshop.words("orphan").count("end") == 1
     assert workshop.artifacts(job) == ["results.json", "series/a.csv"]
+    gone, succeeded = done.log.splitlines()
+    assert f"attempt 1: its worker {running.worker} is gone" in gone
+    assert "attempt 2 succeeded" in succeeded
+
+
+@pytest.mark.slow
+@on_sqlite
+def test_an_evaluation_whose_processes_are_killed_on_the_way_ends_once_with_the_same_numbers(workshop):
+    """What computes is killed first, then the worker itself; then another worker does it all."""
+    first = workshop.start_worker()
+    quiet = workshop.evaluate("quiet")
+    assert workshop.ended(quiet).state == "succeeded"
+    killed = workshop.evaluate("killed")
+    workshop.until(killed, begun)
+    child = the_child_of(first.pid)
+    os.kill(child, signal.SIGKILL)
+    again = workshop.until(killed, lambda now: now.attempts == 2 and begun(now))
+    assert the_child_of(first.pid) != child
+    assert "signal 9" in again.log
+    os.kill(first.pid, signal.SIGKILL)
+    workshop.start_worker()
+    done = workshop.ended(killed)
+    assert (done.state, done.attempts, done.crashes) == ("succeeded", 3, 1), done.log
+    assert f"attempt 2: its worker {again.worker} is gone" in done.log
+    assert workshop.artifacts(killed) == workshop.artifacts(quiet)
+    assert workshop.numbers(killed) == workshop.numbers(quiet)
+
+
+def begun(now) -> bool:
+    """It computes, and is not done."""
+    return now.state == "running" and 0.0 < now.progress < 0.9
+
+
+def the_child_of(worker: int) -> int:
+    """The process of a worker that computes."""
+    found = []
+    for pid in descendants(worker):
+        with suppress(OSError):
+            if b"exogauge.jobs.child" in Path(f"/proc/{pid}/cmdline").read_bytes():
+                found.append(pid)
+    (child,) = found
+    return child
 
 
 @pytest.mark.slow

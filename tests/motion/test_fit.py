@@ -17,6 +17,7 @@ from exogauge.motion.fit.body import SCALES, human_body
 from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.fit.kinematics import pose
 from exogauge.motion.human import HumanMotion, Markers
+from exogauge.motion.presets import recognise
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 CAPTURED = DATA / "opencap_sts_trc_grf" / "STS1.trc.gz"
@@ -43,6 +44,55 @@ def test_markers_that_say_nothing_of_the_trunk_are_refused() -> None:
                    {"LKNE": "l_thigh", "RKNE": "r_thigh", "LANK": "l_shank"})  # fmt: skip
     with pytest.raises(BadMotion):
         fit_human(HumanMotion("legs", 0.01 * np.arange(20), markers=legs))
+
+
+BODY = {  # m, from the pelvis; a person who looks along x
+    "pelvis": {"LASI": (0.1, 0.12, 0.02), "LPSI": (-0.09, 0.04, 0.03)},
+    "thorax": {
+        "C7": (-0.06, 0.0, 0.42),
+        "CLAV": (0.08, 0.0, 0.36),
+        "STRN": (0.11, 0.0, 0.22),
+        "LSHO": (0.0, 0.18, 0.39),
+    },
+    "thigh": {"LTHI": (0.02, 0.13, -0.22), "LKNE": (0.0, 0.145, -0.42)},
+    "shank": {"LTIB": (0.02, 0.12, -0.62), "LANK": (-0.01, 0.135, -0.82)},
+    "foot": {"LHEE": (-0.06, 0.09, -0.88), "LTOE": (0.14, 0.1, -0.9)},
+}
+
+
+def bowing(wrong: str = "") -> HumanMotion:
+    """Of Plug-in Gait's names, the thorax bent ahead by up to 40 degrees. wrong: `names` of left and right exchanged,
+    or an `axis` that points the other way."""
+    labels, places = list[str](), list[np.ndarray]()
+    angle = np.radians(40.0) * np.sin(np.pi * np.linspace(0.0, 1.0, 101)) ** 2
+    turn = np.zeros((101, 3, 3))
+    turn[:, 1, 1] = 1.0
+    turn[:, 0, 0] = turn[:, 2, 2] = np.cos(angle)
+    turn[:, 0, 2], turn[:, 2, 0] = np.sin(angle), -np.sin(angle)
+    waist = np.array([0.0, 0.0, 0.12])
+    for part, markers in BODY.items():
+        for label, place in markers.items():
+            for side in ("L", "R") if label.startswith("L") else ("",):
+                at = np.array(place) * [1.0, -1.0 if side == "R" else 1.0, 1.0]
+                labels.append(side + label[1:] if side else label)
+                places.append(turn @ (at - waist) + waist if part == "thorax" else np.tile(at, (101, 1)))
+    position = np.stack(places, axis=1) + np.array([0.0, 0.0, 0.93])
+    if wrong == "names":
+        labels = [{"L": "R", "R": "L"}.get(label[0], label[0]) + label[1:] for label in labels]
+    if wrong == "axis":
+        position = position * [1.0, -1.0, 1.0]
+    markers = Markers(tuple(labels), position, np.zeros(position.shape[:2], dtype=bool), recognise(labels)[1])
+    return HumanMotion("bowing", 0.01 * np.arange(101), markers=markers)
+
+
+@pytest.mark.parametrize("wrong", ["names", "axis"])
+def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
+    """It was fitted all the same, its trunk 33 degrees off."""
+    flexion = np.degrees(fit_human(bowing()).trunk[:, 0])
+    assert np.ptp(flexion) == pytest.approx(40.0, abs=0.5)
+    with pytest.raises(BadMotion, match="Left and right are exchanged") as refused:
+        fit_human(bowing(wrong))
+    assert refused.value.faults[0].rule == "mirrored"
 
 
 @pytest.fixture(scope="module")

@@ -97,10 +97,15 @@ def test_a_body_that_does_not_stand_at_rest_is_refused_with_the_axis_to_say(tmp_
     assert person_of(open_motion(tmp_path / "bow.bvh", up="y")).hip_height == pytest.approx(0.85, abs=0.01)
 
 
-def test_a_person_is_as_tall_where_the_file_rests_with_its_legs_folded_up(tmp_path: Path) -> None:
-    """As iClone's do: the hips stood a leg below the ankles, and the pelvis moved the other way."""
-    folded = bvh(bow()).replace(b"OFFSET 0 -43 0", b"OFFSET 0 43 0").replace(b"OFFSET 0 -42 0", b"OFFSET 0 42 0")
-    (tmp_path / "folded.bvh").write_bytes(folded)
-    assert person_of(open_motion(tmp_path / "folded.bvh", up="y", unit="cm")).hip_height == pytest.approx(
-        0.85, abs=0.01
-    )
+@pytest.mark.parametrize(
+    ("thigh", "shank"),
+    [
+        ("0 43 0", "0 42 0"),  # folded up, as iClone's: the hips stood a leg below the ankles
+        ("14.707 -40.407 0", "14.365 -39.467 0"),  # spread by 20 degrees, as CMU's: the hips stood 6 % too low
+        ("0 -43 0", "0 0 -42"),  # kneeling
+    ],
+)
+def test_a_person_is_as_tall_however_the_file_rests(tmp_path: Path, thigh: str, shank: str) -> None:
+    other = bvh(bow()).replace(b"OFFSET 0 -43 0", f"OFFSET {thigh}".encode())
+    (tmp_path / "rests.bvh").write_bytes(other.replace(b"OFFSET 0 -42 0", f"OFFSET {shank}".encode()))
+    assert person_of(open_motion(tmp_path / "rests.bvh", up="y", unit="cm")).hip_height == pytest.approx(0.85, abs=1e-4)

@@ -7,10 +7,12 @@ from pathlib import Path
 import ezc3d
 import numpy as np
 import pytest
+from tests.motion.captures import BONES, bow, bvh
 
 from exogauge.cli import main
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
+from exogauge.motion.person import person_of
 from exogauge.motion.presets import PRESETS
 
 LABELS = ("LFHD", "RFHD", "C7", "LASI", "RASI", "LKNE", "LHEE", "RHEE")
@@ -307,3 +309,57 @@ def test_the_command_says_what_a_file_is_and_hands_it_out(tmp_path, capsys) -> N
     with np.load(tmp_path / "a.npz") as arrays:
         assert list(arrays["names"]) == list(LABELS)
         assert arrays["position"][..., 2] == pytest.approx(body()[..., 2])
+
+
+OURS = [name for name, *_ in BONES]
+PARTS = ("UpperArm", "Forearm", "Hand"), ("Thigh", "Calf", "Foot")
+BIPED = [f"Bip01 {part}" for part in ("Pelvis", "Spine2", "Head")]
+BIPED += [f"Bip01 {side} {part}" for parts in PARTS for side in "LR" for part in parts]
+XSENS = ["Hips", "Chest4", "Head", *(f"{side}{joint}" for joints in (("Shoulder", "Elbow", "Wrist"),
+         ("Hip", "Knee", "Ankle")) for side in ("Left", "Right") for joint in joints)]  # fmt: skip
+
+
+def named(names: list[str]) -> bytes:
+    """The bow of a person whose bones are called so."""
+    text = bvh(bow(30.0)).decode()
+    for own, other in zip(OURS, names, strict=True):
+        text = text.replace(f"ROOT {own}\n", f"ROOT {other}\n").replace(f"JOINT {own}\n", f"JOINT {other}\n")
+    return text.encode()
+
+
+@pytest.mark.parametrize(
+    ("preset", "names"),
+    [
+        ("Mixamo", [f"mixamorig:{name}" for name in OURS]),
+        ("3ds Max Biped", BIPED),
+        ("3ds Max Biped", [name.replace(" ", "_") for name in BIPED]),
+        ("Xsens MVN", XSENS),
+    ],
+)
+def test_a_skeleton_is_known_by_the_names_that_programs_give(tmp_path: Path, preset: str, names: list[str]) -> None:
+    (tmp_path / "other.bvh").write_bytes(named(names))
+    motion = open_motion(tmp_path / "other.bvh")
+    assert (motion.told["preset"], motion.told["unit"][:11], motion.told["up"][:10]) == (
+        preset, "guessed: cm", "guessed: y",
+    )  # fmt: skip
+    trunk = person_of(motion).trunk
+    assert np.degrees(np.arctan2(trunk[:, 0, 2], trunk[:, 2, 2])) == pytest.approx(bow(30.0), abs=1e-4)
+
+
+def test_what_is_not_right_in_a_skeleton_is_told_as_what_it_is(tmp_path: Path) -> None:
+    good, file = bvh(bow(30.0)).decode(), tmp_path / "bow.bvh"
+
+    def refused(text: str) -> tuple[str, str | None]:
+        file.write_text(text)
+        with pytest.raises(BadMotion) as found:
+            open_motion(file)
+        return found.value.faults[0].rule, found.value.faults[0].value
+
+    assert refused(good.replace("JOINT LeftArm", "JOINT RightArm")) == ("same_name", "RightArm")
+    assert refused(good.replace("Frame Time: 0.016666666667", "Frame Time: 0")) == ("no_rate", "0")
+    rule, value = refused(named([f"bone{k}" for k in range(len(OURS))]).decode())
+    assert (rule, (value or "")[:12]) == ("no_up_axis", "bone0, bone1")
+    file.write_bytes(bvh(np.radians(bow(30.0))))
+    assert "radians" in open_motion(file).told["angle_doubt"]
+    file.write_text(good)
+    assert "angle_doubt" not in open_motion(file).told

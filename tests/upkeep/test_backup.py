@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
@@ -26,7 +27,22 @@ from exogauge.upkeep.backup import back_up, restore
 
 REVISIONS = [script.revision for script in reversed(list(migrate.scripts().walk_revisions()))]
 KINDS = ("sqlite", "postgresql")
-NUMBERS = count(1)
+Made = dict[str, str]
+"""Table -> the key of the row that was put into it."""
+
+
+@dataclass(frozen=True)
+class Walked:
+    """folder: of a backup at each revision. made: at each. rows: of all, at the newest."""
+
+    folder: Path
+    made: dict[str, Made]
+    rows: dict[str, list[dict[str, Any]]]
+
+    def there(self, name: str, row: dict[str, Any], revisions: list[str]) -> bool:
+        """A row of a table that was made at one of them; accounts and what is theirs are of no lab."""
+        lab = row["id"] if name == "labs" else row.get("lab_id")
+        return lab in revisions if lab else row["id"] in [self.made[each].get(name) for each in revisions]
 
 
 @pytest.fixture(params=KINDS)
@@ -45,15 +61,16 @@ def filled(settings: Settings) -> Iterator[Installation]:
     """An installation with a row in every table of two labs."""
     installation = open_installation(settings, migrating=True)
     with installation.engine.begin() as connection:
+        numbers = count(1)
         for lab in ("north", "south"):
-            fill(connection, lab, installation.blobs)
+            fill(connection, lab, installation.blobs, numbers)
     yield installation
     installation.close()
 
 
-def fill(connection: sa.Connection, lab: str, blobs: Any) -> int:
-    """A row of the lab in every table that the database has, by what it says of its columns; returns how many."""
-    have, tables = dict[str, str](), backup.tables_in(connection)
+def fill(connection: sa.Connection, lab: str, blobs: Any, numbers: Iterator[int]) -> Made:
+    """A row of the lab in every table that the database has, by what it says of its columns."""
+    have, tables = Made(), backup.tables_in(connection)
     for table in tables:
         keys = {
             key.parent.name: key.column.table.name for each in table.foreign_key_constraints for key in each.elements
@@ -67,18 +84,17 @@ def fill(connection: sa.Connection, lab: str, blobs: Any) -> int:
             elif orphans.names_a_blob(column.name):
                 row[column.name] = blobs.put(f"{table.name} {lab}".encode())
             else:
-                row[column.name] = value_of(column)
+                row[column.name] = value_of(column, next(numbers))
         if table.name in ("jobs", "results"):  # of a study, and of nothing else
             row |= {f"{noun}_id": None for noun in OWNERS if f"{noun}_id" in row and noun != "study"}
         if "size" in row and "sha256" in row:
             row["size"] = len(f"{table.name} {lab}")
         connection.execute(sa.insert(table).values(row))
         have[table.name] = row.get("id", "")
-    return len(tables)
+    return have
 
 
-def value_of(column: sa.Column[Any]) -> Any:
-    number = next(NUMBERS)
+def value_of(column: sa.Column[Any], number: int) -> Any:
     named = {"state": "ended" if column.table.name == "live_streams" else "failed", "progress": 0.25, "attempts": 1}
     named |= {"role": "viewer", "scope": "read"}
     if column.name in named:
@@ -149,6 +165,18 @@ def test_a_second_backup_copies_only_what_is_new(filled: Installation, tmp_path:
         back_up(filled, tmp_path / "other", "me")
 
 
+def test_a_place_where_nothing_is_makes_no_backup_and_spares_the_one_that_is_there(
+    filled: Installation, elsewhere: str, tmp_path: Path
+) -> None:
+    back_up(filled, tmp_path / "backup", "me")
+    before = backup.read_manifest(tmp_path / "backup")
+    mistyped = open_installation(Settings(data_dir=tmp_path / "typo", database_url=elsewhere), migrating=True)
+    with pytest.raises(Conflict, match="nothing of exogauge"):
+        back_up(mistyped, tmp_path / "backup", "me")
+    mistyped.close()
+    assert backup.read_manifest(tmp_path / "backup") == before
+
+
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_no_sweep_runs_beside_a_backup(filled: Installation, tmp_path: Path) -> None:
     with filled.session() as session:
@@ -189,26 +217,60 @@ def test_what_is_damaged_is_refused_and_nothing_is_left(filled: Installation, tm
     assert hashlib.sha256(whole).hexdigest() == name
 
 
+def walk(url: str, folder: Path) -> Walked:
+    """Through every revision; at each a lab gets a row in every table, and a backup is made."""
+    installation = open_installation(Settings(data_dir=folder / "data", database_url=url), migrating=True)
+    made, numbers = dict[str, Made](), count(1)
+    for revision in REVISIONS:
+        migrate.upgrade(url, revision)
+        installation.engine.dispose()  # what a connection has learned of tables that have changed
+        with installation.engine.begin() as connection:
+            made[revision] = fill(connection, revision, installation.blobs, numbers)
+        back_up(installation, folder / revision, "me")
+    migrate.check(url)
+    rows = rows_of(installation)
+    installation.close()
+    return Walked(folder, made, rows)
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory: pytest.TempPathFactory) -> Walked:
+    folder = tmp_path_factory.mktemp("walked")
+    return walk(f"sqlite:///{folder / 'walked.sqlite'}", folder)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("revision", REVISIONS)
 def test_data_of_every_revision_come_up_to_this_one_by_upgrade_and_by_backup(
-    empty_database_url: str, revision: str, tmp_path: Path
+    walked: Walked, revision: str, tmp_path: Path
 ) -> None:
-    migrate.upgrade(empty_database_url, revision)
-    settings = Settings(data_dir=tmp_path / "data", database_url=empty_database_url)
-    old = open_installation(settings, migrating=True)
-    with old.engine.begin() as connection:
-        tables = fill(connection, "north", old.blobs)
-    back_up(old, tmp_path / "backup", "me")
-    assert json.loads((tmp_path / "backup" / "manifest.json").read_text())["revision"] == revision
-    migrate.upgrade(empty_database_url)
-    migrate.check(empty_database_url)
-    upgraded = rows_of(old)
-    assert sum(bool(rows) for rows in upgraded.values()) >= tables - 1  # keys in flight are not carried over
+    folder = walked.folder / revision
+    assert json.loads((folder / "manifest.json").read_text())["revision"] == revision
+    own = [name for name, rows in walked.rows.items() if any(walked.there(name, row, [revision]) for row in rows)]
+    assert len(own) >= len(walked.made[revision]) - 1  # keys in flight are not carried over
+    until_then = REVISIONS[: REVISIONS.index(revision) + 1]
+    upgraded = {
+        name: [row for row in rows if walked.there(name, row, until_then)] for name, rows in walked.rows.items()
+    }
     elsewhere = Settings(data_dir=tmp_path / "elsewhere")
     new = open_installation(elsewhere, migrating=True)
-    restore(tmp_path / "backup", elsewhere, new.blobs)
+    restore(folder, elsewhere, new.blobs)
     assert rows_of(new) == upgraded
     assert check(new, elsewhere).sound
-    for each in (old, new):
-        each.close()
+    new.close()
+
+
+@pytest.mark.slow
+def test_on_postgresql_the_same_data_come_up_and_their_backups_are_the_same(
+    walked: Walked, postgres_url: str, tmp_path: Path
+) -> None:
+    """So what was restored above was theirs, too."""
+    other = walk(postgres_url, tmp_path)
+    assert other.rows == walked.rows
+    for revision in REVISIONS:
+        ours, theirs = (
+            {path.name: path.read_text() for path in (each.folder / revision / "rows").iterdir()}
+            for each in (walked, other)
+        )
+        assert len(ours) > 5
+        assert theirs == ours

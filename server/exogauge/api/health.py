@@ -44,7 +44,7 @@ def get_readiness(installation: InstallationDep, settings: SettingsDep, response
     serving = database == blobs == "ok"
     response.status_code = 200 if serving else 503
     return Health(
-        status="unavailable" if not serving else "ok" if alive >= settings.workers else "degraded",
+        status="unavailable" if not serving else "ok" if alive >= max(settings.workers, 1) else "degraded",
         version=__version__,
         database=database,
         blobs=blobs,

@@ -44,6 +44,8 @@ from exogauge.errors import Conflict, NotFound
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.callers import RANK, Caller
 from exogauge.storage.closing import close_lab
+from exogauge.storage.outlook import What, next_studies, outlook
+from exogauge.storage.retention import Ages
 from exogauge.storage.rows import record
 from exogauge.storage.secrets import hashed
 from exogauge.storage.store import Store
@@ -190,6 +192,41 @@ class AuditOut(Answer):
 @final
 class AuditList(ListOf):
     items: list[AuditOut]
+
+
+MOST_STUDIES = 50  # that go next, as told on a page
+
+
+@final
+class OutlookOut(Answer):
+    """of: how many there are that only their age keeps; stay: that something else keeps, whatever their age. kept_days:
+    null: for good. next_at: when the first of them goes; of the audit, may be put into a file and removed, by hand.
+    setting: by which who runs the service says it."""
+
+    what: What
+    of: int
+    stay: int
+    kept_days: float | None
+    next_at: datetime | None
+    setting: str
+
+
+@final
+class OldStudyOut(Answer):
+    """goes_at: when its age is reached; it goes within an hour then."""
+
+    id: str
+    name: str
+    goes_at: datetime
+
+
+@final
+class Retention(BaseModel):
+    """studies: that go next, in order, where the lab's go by age."""
+
+    lab_id: str
+    items: list[OutlookOut]
+    studies: list[OldStudyOut]
 
 
 @router.get("/lab", operation_id="getLab")
@@ -373,6 +410,23 @@ def list_audit(store: ReaderDep, cursor: Cursor, limit: Limit = 50, search: Sear
         for each in page.items
     ]
     return AuditList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/lab/retention", operation_id="getRetention")
+def get_retention(caller: CallerDep, store: ReaderDep, settings: SettingsDep) -> Retention:
+    """What of the lab goes because it is old, what stays, and when."""
+    lab, ages = caller.lab_id or "", Ages.of(settings)
+    items = [
+        OutlookOut(
+            what=each.what, of=each.of, stay=each.stay, next_at=each.next_at,
+            kept_days=None if each.kept is None else each.kept / timedelta(days=1),
+            setting=f"EXOGAUGE_{each.what.upper()}_KEPT_DAYS",
+        )
+        for each in outlook(store.session, lab, ages, timedelta(days=settings.audit_kept_days))
+    ]  # fmt: skip
+    age = ages.studies.get(lab)
+    studies = [] if age is None else next_studies(store.session, lab, age, MOST_STUDIES)
+    return Retention(lab_id=lab, items=items, studies=[OldStudyOut.model_validate(each) for each in studies])
 
 
 AUDITED = tuple(name for name in AuditOut.model_fields if name != "who")

@@ -156,9 +156,10 @@ def list_labs(_: argparse.Namespace) -> int:
 
     with open_installation(Settings()).reading() as session:
         rows = [
-            [each.name, f"closed {each.closed_at:%Y-%m-%d}" if each.closed_at else ""] for each in all_labs(session)
+            [each.name, each.id, f"closed {each.closed_at:%Y-%m-%d}" if each.closed_at else ""]
+            for each in all_labs(session)
         ]
-    print(text_table(("lab", ""), rows) if rows else "no labs")
+    print(text_table(("lab", "id", ""), rows) if rows else "no labs")
     return 0
 
 

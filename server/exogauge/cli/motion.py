@@ -221,8 +221,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
     static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
-    found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, holds: print(
-        f"{what} {value:.2f}: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
+    found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, nodes, holds: print(
+        f"{what} {value:.2f}, {nodes} nodes: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
     said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
     if found.alone is not None:
         said["frame by frame"] = frame_by_frame_words(found.alone[1])

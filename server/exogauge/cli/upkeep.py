@@ -36,6 +36,16 @@ def add_commands(commands: Commands) -> None:
     gc.add_argument("--dry-run", action="store_true", help="say what goes because it is old, and remove nothing")
     gc.set_defaults(command=sweep_all)
 
+    audit = commands.add_parser(
+        "audit", help="old entries of the audit into a file; and, if said so, out of the database"
+    )
+    audit.add_argument("folder", type=Path, help="where the file goes; none is written over")
+    audit.add_argument(
+        "--older-than", type=float, metavar="DAYS", help="EXOGAUGE_AUDIT_KEPT_DAYS, where it is not named"
+    )
+    audit.add_argument("--remove", action="store_true", help="from the database too, once the file is written")
+    audit.set_defaults(command=archive_old_audit)
+
     backup = commands.add_parser("backup", help="rows and blobs into a folder, beside a service that runs")
     backup.add_argument("folder", type=Path, help="new, or with an older backup: only new blobs are copied then")
     backup.set_defaults(command=back_up_all)
@@ -90,6 +100,26 @@ def restore_all(options: argparse.Namespace) -> int:
     return 0 if found.sound else NOT_SOUND
 
 
+def archive_old_audit(options: argparse.Namespace) -> int:
+    from exogauge.settings import Settings
+    from exogauge.storage.migrate import at_newest_or_raise, current
+    from exogauge.upkeep.old_audit import archive_audit
+
+    settings = Settings()
+    at_newest_or_raise(current(settings.database_url))
+    days = settings.audit_kept_days if options.older_than is None else options.older_than
+    done = archive_audit(settings.database_url, options.folder, timedelta(days=days), remove=options.remove)
+    if done.file is None:
+        print(f"no entry is from before {done.before:%Y-%m-%d %H:%M} UTC")
+        return 0
+    print(f"{done.count} entries of {len(done.entries)} labs from before {done.before:%Y-%m-%d %H:%M} UTC: {done.file}")
+    print(f"SHA-256 {done.sha256}")
+    print(
+        "removed from the database; each lab's audit says so" if done.removed else "they stay in the database: --remove"
+    )
+    return 0
+
+
 def delete_one(options: argparse.Namespace) -> int:
     from exogauge.client import Client
 
@@ -138,7 +168,7 @@ def sweep_all(options: argparse.Namespace) -> int:
     from exogauge.storage.held_files import YOUNG_S
     from exogauge.storage.migrate import at_newest_or_raise, current
     from exogauge.storage.orphans import WAIT
-    from exogauge.storage.retention import Ages, retire
+    from exogauge.storage.retention import Ages, no_labs, retire
     from exogauge.storage.store import open_installation
     from exogauge.storage.sweeping import Swept, sweep_installation, sweep_machine, waiting
 
@@ -146,6 +176,10 @@ def sweep_all(options: argparse.Namespace) -> int:
     at_newest_or_raise(current(settings.database_url))
     installation = open_installation(settings)
     aged = retire(installation, Ages.of(settings), dry=options.dry_run)
+    with installation.reading() as session:
+        unknown = no_labs(session, settings.studies_kept_days, settings.lab)
+    for lab in unknown:
+        print(f"EXOGAUGE_STUDIES_KEPT_DAYS names a lab that is not there: {lab}", file=sys.stderr)
     if options.dry_run:
         swept = Swept(orphans_waiting=waiting(installation))
         print(json.dumps({**asdict(swept), "aged": aged.as_json()}) if options.json else told_as_aged(aged, "would go"))

@@ -26,8 +26,9 @@ class MotionFit:
     kept of a person's motion, 6 Hz (Winter, Biomechanics and Motor Control of Human Movement, 2009).
     bent, bent_sd: elbows and knees at the very start, so that they bend the right way.
     fewest: markers that say how pelvis and thorax lie. rigid_line: m, second singular value over the square root of
-    the number of points: less is a line. bad_rms: a marker that misses by more is told. least_seen: share of frames in
-    which pelvis and thorax must be seen. chunk: frames of which slopes are held at once.
+    the number of points: less is a line. bad_rms: a marker that misses by more is told. no_body_rms: of all markers,
+    beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7. least_seen: share of
+    frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once.
     """
 
     scale_sd: float = 0.15
@@ -62,6 +63,7 @@ class MotionFit:
     fewest: int = 3
     rigid_line: float = 0.01
     bad_rms: float = 0.03
+    no_body_rms: float = 0.03
     least_seen: float = 0.5
     chunk: int = 512
 

@@ -10,7 +10,8 @@ from typing import final
 @dataclass(frozen=True)
 class MotionImport:
     """shortest_m, tallest_m: feet to head of a person that stands; beyond 98 % of adults, bent postures included in
-    the 90th percentile over time that is compared. upright: share of the way from feet to head that must lie along one
+    the 90th percentile over time that is compared. no_body: times that far off it is no person's unit: the nearest two
+    units, in and cm, lie 2.5 apart. upright: share of the way from feet to head that must lie along one
     axis before it is taken as up; a bend of 45° leaves .7. uneven: share of a sample by which a clock may stray.
     spline_s: longest gap that a spline closes; a body's fastest parts swing at 2 Hz, half a swing is not guessed.
     beside: samples on each side that the spline goes through. rigid_m: rms by which the other markers of a segment may
@@ -23,6 +24,7 @@ class MotionImport:
 
     shortest_m: float = 0.9
     tallest_m: float = 2.3
+    no_body: float = 3.0
     upright: float = 0.8
     level: float = 0.5
     uneven: float = 0.1

@@ -267,7 +267,7 @@ class Runner:
     def _succeed(self, job: JobRecord, files: tuple[PinnedFile, ...]) -> None:
         with self._of(job).transaction() as store:
             self._charge(store, job)
-            claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts} succeeded"))
+            claims.append_log(store.session, job.id, self._worker, line(f"attempt {job.attempts} succeeded"))
             if not claims.succeed(store.session, job, self._worker, files):
                 raise NotMineAnyMore(job.id)
 
@@ -305,7 +305,7 @@ class Runner:
                 if crashed:
                     claims.crashed(store.session, job.id, self._worker)
                 self._charge(store, job)
-                claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
+                claims.append_log(store.session, job.id, self._worker, line(f"attempt {job.attempts}: {text}"))
 
         until_it_works(write)
 
@@ -318,6 +318,5 @@ class Runner:
         shutil.rmtree(self._scratch, ignore_errors=True)
 
 
-def stamped(text: str) -> str:
-    """A line of the job's log."""
-    return f"{datetime.now(UTC).isoformat(timespec='seconds')} {text.rstrip()}\n"
+def line(text: str) -> str:
+    return claims.stamped(datetime.now(UTC), text)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from typing import Any, cast
 
 import sqlalchemy as sa
@@ -33,6 +34,7 @@ MAX_ATTEMPTS = 8  # whoever is to blame: a kill of the whole service takes its j
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
 MOST_STEPS = 100  # kept of one attempt
 MOST_FAULTS = 100  # kept of a failed job
+GONE = " is gone (killed, crashed or cut off), and what it had computed\n"
 MEDIA_TYPES = {
     ".parquet": "application/vnd.apache.parquet",
     ".urdf": "application/xml",
@@ -62,6 +64,7 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
     """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt, by the
     code of this process."""
     mine = (Job.state == "running") & (Job.worker == worker)
+    orphaned = (Job.state == "running") & (Job.worker != worker)
     alive = sa.exists().where(WorkerLease.worker_id == worker)
     taken = {
         "state": "running",
@@ -72,6 +75,7 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
         "message": "",
         "stage": None,
         "steps": None,
+        "log": sa.case((orphaned, _kept_with(_of_the_gone(database_now(session)))), else_=Job.log),
         "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
     }
     if not change(session, sa.and_(Job.id == job_id, free() | mine, alive), taken):
@@ -102,10 +106,25 @@ def charge(session: Session, job_id: str, worker: str, cpu_s: float) -> bool:
 
 def append_log(session: Session, job_id: str, worker: str, text: str) -> bool:
     """Add to the job's log; its end stays."""
-    added = printable(text)[-LOG_TAIL:]
-    surplus = sa.func.length(Job.log) + len(added) - LOG_TAIL
-    kept = sa.func.substr(Job.log, sa.case((surplus > 0, surplus + 1), else_=1))
-    return change(session, held_by(job_id, worker), {"log": kept.concat(added)}) == 1
+    added = _kept_with(sa.literal(printable(text)[-LOG_TAIL:]))
+    return change(session, held_by(job_id, worker), {"log": added}) == 1
+
+
+def stamped(at: datetime, text: str) -> str:
+    """A line of a job's log."""
+    return f"{at.isoformat(timespec='seconds')} {text.rstrip()}\n"
+
+
+def _kept_with(added: sa.ColumnElement[str]) -> sa.ColumnElement[str]:
+    """The job's log with that at its end; the first of what is too much goes."""
+    surplus = sa.func.length(Job.log) + sa.func.length(added) - LOG_TAIL
+    return sa.func.substr(Job.log, sa.case((surplus > 0, surplus + 1), else_=1)).concat(added)
+
+
+def _of_the_gone(now: datetime) -> sa.ColumnElement[str]:
+    """What nobody was left to say of the attempt before, from the row as it is when the job is taken."""
+    number, who = sa.cast(Job.attempts, sa.String), sa.func.coalesce(Job.worker, "?")
+    return sa.literal(f"{stamped(now, 'attempt')[:-1]} ") + number + ": its worker " + who + GONE
 
 
 def cancel_wanted(session: Session, job_id: str, worker: str) -> bool | None:

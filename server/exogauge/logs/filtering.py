@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 import scipy
@@ -77,9 +77,7 @@ class StoredPass:
 
     def falls_to(self, share: float, rate_hz: float) -> float:
         """[Hz] where this share of an amplitude is left in all."""
-        frequencies = 20_000  # at which a gain is computed, to be read off
-        frequency = np.linspace(0.0, 0.5 * rate_hz, frequencies)
-        return float(np.interp(share, self.gain(frequency, rate_hz)[::-1], frequency[::-1]))
+        return _falls_to(self, share, rate_hz)
 
     def gain(self, frequency_hz: ArrayLike, rate_hz: float) -> Array:
         """What it leaves of an amplitude at each frequency, in all."""
@@ -101,13 +99,20 @@ def _stored_sections(stored: StoredPass, rate_hz: float) -> tuple[Array, Array, 
     settled, and by how many what is slow comes out late."""
     order, hz = stored.order, stored.hz
     if stored.kind == "bessel":
-        sections = scipy.signal.bessel(order, hz, fs=rate_hz, output="sos", norm="mag")
-        zeros, poles, _ = scipy.signal.bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
+        designed: Any = scipy.signal.bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
     else:
-        sections = scipy.signal.butter(order, hz, fs=rate_hz, output="sos")
-        zeros, poles, _ = scipy.signal.butter(order, hz, fs=rate_hz, output="zpk")
+        designed = scipy.signal.butter(order, hz, fs=rate_hz, output="zpk")
+    zeros, poles, scale = designed
+    sections = scipy.signal.zpk2sos(zeros, poles, scale)  # as SciPy's designs do themselves
     late = float(np.sum(poles / (1.0 - poles)).real - np.sum(zeros / (1.0 - zeros)).real) if stored.late else 0.0
     return sections, scipy.signal.sosfilt_zi(sections), _settled_after(poles), late
+
+
+@lru_cache(maxsize=64)
+def _falls_to(stored: StoredPass, share: float, rate_hz: float) -> float:
+    frequencies = 20_000  # at which a gain is computed, to be read off
+    frequency = np.linspace(0.0, 0.5 * rate_hz, frequencies)
+    return float(np.interp(share, stored.gain(frequency, rate_hz)[::-1], frequency[::-1]))
 
 
 @final

@@ -63,14 +63,20 @@ def undone(values: Array, stored: StoredPass, rate_hz: float, least: float, late
     beyond = stored.settle_samples(rate_hz)
     line = np.linspace(values[0], values[-1], len(values))
     extended = np.pad(values - line, beyond, mode="reflect", reflect_type="odd")
-    frequency = np.fft.rfftfreq(len(extended), 1.0 / rate_hz)
-    response, delay = stored.response(frequency, rate_hz), stored.delay_s(rate_hz)
-    if late:
-        response = response * np.exp(2.0j * np.pi * frequency * delay)
-    elif len(values) > 1:
-        line = line + (line[1] - line[0]) * rate_hz * delay
-    back = np.fft.irfft(np.fft.rfft(extended) * _inverse(response, least), len(extended))
+    if not late and len(values) > 1:
+        line = line + (line[1] - line[0]) * rate_hz * stored.delay_s(rate_hz)
+    back = np.fft.irfft(np.fft.rfft(extended) * _undoing(stored, len(extended), rate_hz, least, late), len(extended))
     return np.asarray(line + back[beyond : beyond + len(values)])
+
+
+@lru_cache(maxsize=4)
+def _undoing(stored: StoredPass, samples: int, rate_hz: float, least: float, late: bool) -> NDArray[np.complex128]:
+    """What undoes it at every frequency of so many samples: the same for all channels of a log."""
+    frequency = np.fft.rfftfreq(samples, 1.0 / rate_hz)
+    response = stored.response(frequency, rate_hz)
+    if late:
+        response = response * np.exp(2.0j * np.pi * frequency * stored.delay_s(rate_hz))
+    return _inverse(response, least)
 
 
 def _inverse(response: NDArray[np.complex128], least: float) -> NDArray[np.complex128]:

@@ -84,7 +84,7 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
         done = (now.part + 1.0 - math.exp(-now.number / SLOWLY)) / now.parts
         progress(0.1 + 0.8 * done, f"planning: stretch {now.part + 1} of {now.parts}, round {now.number}")
 
-    def tried(what: str, value: float, holds: bool) -> None:
+    def tried(what: str, value: float, nodes: int, holds: bool) -> None:
         progress(0.9, f"what would do: {what} {value:.2f} {'holds' if holds else 'does not hold'}")
 
     found = retargeted(robot, person, file.retarget, tell, tried)

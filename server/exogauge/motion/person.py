@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Literal, final
 
 import numpy as np
@@ -108,15 +109,11 @@ def person_of(motion: HumanMotion) -> Person:
         raise _fault(motion, f"no bone stands for {', '.join(lost)}", "no_segment", "Name its bones: see `unknown`")
     rest = tree.rest_position
     left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
-    hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
-    ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
     level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]
     if level < USUAL.level * np.linalg.norm(left) or trunk[2] < USUAL.level * np.linalg.norm(trunk):
         raise _fault(motion, "at rest the hips are not side by side below the chest", "not_upright",
                      "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
-    whole = float(np.linalg.norm(hips - ankles))
-    height = float(hips[2] - ankles[2])
-    height = whole if height < USUAL.level * whole else height  # some files rest with their legs folded up
+    height = float(np.mean([_leg(rest, bones, side) for side in ("l", "r")]))
     left[2] = 0.0
     left /= np.linalg.norm(left)
     up = np.array([0.0, 0.0, 1.0])
@@ -159,6 +156,13 @@ def _bones(tree: JointTree) -> dict[Segment, int]:
         if part is not None:
             found.setdefault(part, k)
     return found
+
+
+def _leg(rest: Array, bones: Mapping[Segment, int], side: Literal["l", "r"]) -> float:
+    """[m] from hip to ankle along the bones: at rest some files spread the legs, some fold them up."""
+    parts: tuple[Segment, ...] = ("l_thigh", "l_shank", "l_foot") if side == "l" else ("r_thigh", "r_shank", "r_foot")
+    joints = [rest[bones[part]] for part in parts if part in bones]
+    return float(sum(np.linalg.norm(b - a) for a, b in pairwise(joints)))
 
 
 def _fault(motion: HumanMotion, detail: str, rule: str, advice: str) -> BadMotion:

@@ -48,6 +48,14 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_upper_arm": "{side}ARM", "{s}_forearm": "{side}FOREARM", "{s}_hand": "{side}HAND",
         "{s}_thigh": "{side}UPLEG", "{s}_shank": "{side}LEG", "{s}_foot": "{side}FOOT",
     },
+    "3ds Max Biped": {
+        "{s}_upper_arm": "BIP01_{s}_UPPERARM", "{s}_forearm": "BIP01_{s}_FOREARM", "{s}_hand": "BIP01_{s}_HAND",
+        "{s}_thigh": "BIP01_{s}_THIGH", "{s}_shank": "BIP01_{s}_CALF", "{s}_foot": "BIP01_{s}_FOOT",
+    },
+    "Xsens MVN": {
+        "{s}_upper_arm": "{side}SHOULDER", "{s}_forearm": "{side}ELBOW", "{s}_hand": "{side}WRIST",
+        "{s}_thigh": "{side}HIP", "{s}_shank": "{side}KNEE", "{s}_foot": "{side}ANKLE",
+    },
 }  # fmt: skip
 _MIDDLE: dict[str, dict[str, str]] = {
     "Plug-in Gait, CMU and Vicon": {"pelvis": "SACR", "thorax": "C7 T10 CLAV STRN RBAK", "head": "ARIEL"},
@@ -55,6 +63,8 @@ _MIDDLE: dict[str, dict[str, str]] = {
     "Acclaim (CMU)": {"pelvis": "ROOT", "thorax": "THORAX", "head": "HEAD"},
     "iClone": {"pelvis": "CC_BASE_HIP", "thorax": "CC_BASE_SPINE02", "head": "CC_BASE_HEAD"},
     "Mixamo": {"pelvis": "HIPS", "thorax": "SPINE2", "head": "HEAD"},
+    "3ds Max Biped": {"pelvis": "BIP01_PELVIS", "thorax": "BIP01_SPINE2", "head": "BIP01_HEAD"},
+    "Xsens MVN": {"pelvis": "HIPS", "thorax": "CHEST4", "head": "HEAD"},
 }
 
 
@@ -71,9 +81,11 @@ PRESETS: Mapping[str, Mapping[str, Segment]] = {name: _preset(name) for name in 
 
 
 def recognise(labels: Iterable[str]) -> tuple[str | None, dict[str, Segment]]:
-    """The preset that knows most of the labels, letters' case aside, and the parts of those that it knows."""
+    """The preset that knows most of the labels, letters' case aside, a space as an underscore, and the parts of those
+    that it knows."""
+    alike = {label: label.upper().replace(" ", "_") for label in labels}
     known = {
-        name: {label: preset[label.upper()] for label in labels if label.upper() in preset}
+        name: {label: preset[other] for label, other in alike.items() if other in preset}
         for name, preset in PRESETS.items()
     }
     best = max(known, key=lambda name: len(known[name]))

@@ -67,26 +67,34 @@ def row_slopes(kinematics: Kinematics, motion: Motion, sweep: Sweep, rows: Seque
     columns = wrench_columns(*((in_body @ each[..., None])[..., 0] for each in (b, dw, w)))
     M = np.zeros((n, samples, 6, 10))
     E, D = np.zeros((n, samples, 6)), np.zeros((n + 1, samples, 6))
-    for row in rows:
-        own, phi = row.bodies, row.phi
-        linear, angular = row.axis[:, :3], row.axis[:, 3:]
-        seen = np.concatenate([linear + np.cross(angular, p[own]), np.broadcast_to(angular, p[own].shape)], axis=-1)
-        seen = (in_body[own][:, :, None] @ seen.reshape(len(own), samples, 2, 3)[..., None])[..., 0]
-        M[own] += seen.reshape(len(own), samples, 6)[..., None] * phi[:, :, None]
-        wrench = (columns[own] @ phi[..., None])[..., 0]
-        turned = (R[own][:, :, None] @ wrench.reshape(len(own), samples, 2, 3)[..., None])[..., 0]
-        force, moment = turned[:, :, 0], turned[:, :, 1]
-        wrench = np.concatenate([force, moment + np.cross(p[own], force)], axis=-1)
-        E[own] += force_cross(row.axis, wrench)
-        D[row.body] += force_cross(row.axis, wrench.sum(axis=0))
+    axes = np.stack([row.axis for row in rows], axis=1)
+    carried = np.zeros_like(axes)  # (T, rows, 6) wrench of all that a row carries
+    of_body: list[list[tuple[int, Array]]] = [[] for _ in range(n)]
+    for r, row in enumerate(rows):
+        for body, phi in zip(row.bodies.tolist(), row.phi, strict=True):
+            of_body[body].append((r, phi))
+    for i, found in enumerate(of_body):  # all rows of a body at once: (T, rows, …)
+        if not found:
+            continue
+        at, phi = [r for r, _ in found], np.stack([each for _, each in found], axis=1)
+        axis, place, turned = axes[:, at], p[i][:, None], (samples, -1, 3)
+        seen = axis.copy()
+        seen[..., :3] += cross(axis[..., 3:], place)
+        M[i] = (seen.reshape(turned) @ R[i]).reshape(axis.shape).mT @ phi
+        wrench = ((phi @ columns[i].mT).reshape(turned) @ R[i].mT).reshape(axis.shape)
+        wrench[..., 3:] += cross(place, wrench[..., :3])
+        E[i] = force_cross(axis, wrench).sum(axis=1)
+        carried[:, at] += wrench
+    for r, row in enumerate(rows):
+        D[row.body] += force_cross(row.axis, carried[:, r])
 
     by_b, by_dw, by_w = (
         (R @ each[..., None])[..., 0] for each in _state_slopes(M, *((in_body @ x[..., None])[..., 0] for x in (dw, w)))
     )
-    v = V[:n, :, :3] + np.cross(w, p)
-    turning = np.cross(by_b, w)
-    Q = np.concatenate([by_b, by_dw + np.cross(p, by_b)], axis=-1)
-    P = np.concatenate([turning, by_w + np.cross(v, by_b) + np.cross(p, turning)], axis=-1)
+    v = V[:n, :, :3] + cross(w, p)
+    turning = cross(by_b, w)
+    Q = np.concatenate([by_b, by_dw + cross(p, by_b)], axis=-1)
+    P = np.concatenate([turning, by_w + cross(v, by_b) + cross(p, turning)], axis=-1)
     C = force_cross(V[:n], Q)
     parts = np.concatenate([P + C, Q, E - D[:n]], axis=-1)
     total = np.zeros((n + 1, samples, 18))
@@ -116,13 +124,20 @@ def joint_row(kinematics: Kinematics, sweep: Sweep, joint: int, phi: Array) -> W
 def motion_cross(V: Array, S: Array) -> Array:
     """(..., 6) V × S."""
     v, w, s, u = V[..., :3], V[..., 3:], S[..., :3], S[..., 3:]
-    return np.concatenate([np.cross(w, s) + np.cross(v, u), np.cross(w, u)], axis=-1)
+    return np.concatenate([cross(w, s) + cross(v, u), cross(w, u)], axis=-1)
 
 
 def force_cross(V: Array, F: Array) -> Array:
     """(..., 6) V ×* F."""
     v, w, f, m = V[..., :3], V[..., 3:], F[..., :3], F[..., 3:]
-    return np.concatenate([np.cross(w, f), np.cross(w, m) + np.cross(v, f)], axis=-1)
+    return np.concatenate([cross(w, f), cross(w, m) + cross(v, f)], axis=-1)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """(..., 3) as NumPy's, which takes several times as long for what it may be given else."""
+    x, y, z = (a[..., k] for k in range(3))
+    u, v, w = (b[..., k] for k in range(3))
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 
 
 def _dot(a: Array, b: Array) -> Array:

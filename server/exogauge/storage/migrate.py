@@ -80,9 +80,14 @@ def prepare(url: str) -> None:
 
 def at_newest_or_raise(found: str | None) -> None:
     known_or_raise(found)
+    if found is None:
+        raise WrongSchema(
+            "there is nothing of exogauge in this database: EXOGAUGE_DATABASE_URL or EXOGAUGE_DATA_DIR names another "
+            "place, or it is new: `exogauge migrate` makes its tables, as does the first `exogauge serve`."
+        )
     if found != newest():
         raise WrongSchema(
-            f"the database is at schema revision {found or 'none'}, this version needs {newest()}. "
+            f"the database is at schema revision {found}, this version needs {newest()}. "
             "Back it up, then run `exogauge migrate`."
         )
 

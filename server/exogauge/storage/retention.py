@@ -6,7 +6,7 @@ What is removed for good is found in a session of all labs, and removed in one o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timedelta
 from typing import Any, final
@@ -16,6 +16,7 @@ from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict, NotFound
 from exogauge.settings import Settings
+from exogauge.storage.account_tables import LabRow
 from exogauge.storage.database import database_now
 from exogauge.storage.job_tables import ENDED
 from exogauge.storage.orphans import batches
@@ -95,6 +96,12 @@ def retire(
     )
     gone = sum(1 for lab, key in studies if deleted(installation, "studies", lab, key, still))
     return Retired(logs, jobs, deliveries, keys, gone, len(studies) - gone)
+
+
+def no_labs(session: Session, named: Iterable[str], own: str) -> list[str]:
+    """Which of the names is no lab's id: an age that was meant for one, and holds for none. own: of a server without
+    accounts."""
+    return sorted({*named} - {own, *session.scalars(sa.select(LabRow.id))})
 
 
 def which_is_due(ages: Ages, now: datetime) -> dict[Any, Which]:

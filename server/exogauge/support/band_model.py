@@ -23,7 +23,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_offsets import Offsets
-from exogauge.support.band_rows import WearLogs, Wire, stretches, taut
+from exogauge.support.band_rows import WearLogs, Wire, stretches, stretches_and_taut
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -309,7 +309,7 @@ def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts too."""
     W, layout, own_wires = len(wear.k), wear.layout, wires[: len(wear.k)]
     springs = np.zeros((*logs.torque.shape, len(wear.springs)))
-    stretched, pulling_at_all = stretches(own_wires, wear.l_0), taut(own_wires, wear.l_0)
+    stretched, pulling_at_all = stretches_and_taut(own_wires, wear.l_0)
     for b, wire in enumerate(own_wires):
         springs[:, :, layout.stiffness[b]] -= wire.jacobian * stretched[:, [b]]
         springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, [b]])
@@ -317,12 +317,10 @@ def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
     for number, each in enumerate(wear.effects):
         (k, l_0), wire, pulls = wear.spring(each.wire), wires[each.wire], pulling.get(each.wire)
-        own = wire.columns(each.effect, each.shape, k, l_0, pulls)
-        if each.wire < W:
-            stiffer, longer = (
-                wire.columns(each.effect, each.shape, k + dk, l_0 + dl, pulls)
-                for dk, dl in ((NEAR * k, 0.0), (0.0, NEAR * l_0))
-            )
+        near = [(k + NEAR * k, l_0), (k, l_0 + NEAR * l_0)] if each.wire < W else []
+        own, *changed = wire.columns_about(each.effect, each.shape, [(k, l_0), *near], pulls)
+        if changed:
+            stiffer, longer = changed
             springs[:, :, layout.stiffness[each.wire]] += (stiffer - own) @ each.coefficients / (NEAR * k)
             springs[:, :, layout.natural_length[each.wire]] += (longer - own) @ each.coefficients / (NEAR * l_0)
         if number < len(wear.added):

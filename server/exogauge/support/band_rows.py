@@ -321,22 +321,38 @@ def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
 
 def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) [m] beyond l_0 (W,), low-passed as the torque: the low-pass rounds the corner where a band comes taut."""
-    return _as_torque(wires, lambda length, rest: np.maximum(length - rest, 0.0), l_0)
+    return _as_torque(wires, (_stretch,), l_0)
 
 
 def taut(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) share of the moment that bands of natural length l_0 are taut: minus the slope of `stretches` with l_0."""
-    return _as_torque(wires, lambda length, rest: (length > rest).astype(np.float64), l_0)
+    return _as_torque(wires, (_taut,), l_0)
 
 
-def _as_torque(wires: Sequence[Wire], pull: Callable[[Array, float], Array], l_0: Array) -> Array:
-    """Of all wires of a log side by side, which costs little more than one; of all logs where none is filtered."""
+def stretches_and_taut(wires: Sequence[Wire], l_0: Array) -> tuple[Array, Array]:
+    """Both, in one pass."""
+    both = _as_torque(wires, (_stretch, _taut), l_0)
+    return both[:, : len(wires)], both[:, len(wires) :]
+
+
+def _stretch(length: Array, rest: float) -> Array:
+    return np.maximum(length - rest, 0.0)
+
+
+def _taut(length: Array, rest: float) -> Array:
+    return (length > rest).astype(np.float64)
+
+
+def _as_torque(wires: Sequence[Wire], pulls: Sequence[Callable[[Array, float], Array]], l_0: Array) -> Array:
+    """(N, pulls x W) of all wires of a log side by side, which costs little more than one; of all logs where none is
+    filtered."""
     if wires and all(run.log.low_pass is None for run in wires[0].runs):
-        return np.stack([pull(wire.length, rest) for wire, rest in zip(wires, l_0, strict=True)], axis=1)
+        own = [pull(wire.length, rest) for pull in pulls for wire, rest in zip(wires, l_0, strict=True)]
+        return np.stack(own, axis=1)
     found = []
     for runs in zip(*(wire.runs for wire in wires), strict=True):
-        pulls = [pull(run.length, rest) for run, rest in zip(runs, l_0, strict=True)]
-        found.append(runs[0].log.as_torque(np.stack(pulls, axis=1)))
+        own = [pull(run.length, rest) for pull in pulls for run, rest in zip(runs, l_0, strict=True)]
+        found.append(runs[0].log.as_torque(np.stack(own, axis=1)))
     return np.concatenate(found) if found else np.zeros((0, 0))
 
 
@@ -401,18 +417,38 @@ class Wire:
         pulls: Sequence[BoolArray] | None = None,
     ) -> list[Array]:
         """The same of several shapes, which are low-passed side by side."""
-        if not shapes:
+        return self._columns(effect, [(shape, k, l_0) for shape in shapes], pulls)
+
+    def columns_about(
+        self,
+        effect: BandEffect,
+        shape: tuple[float, ...],
+        springs: Sequence[tuple[float, float]],
+        pulls: Sequence[BoolArray] | None = None,
+    ) -> list[Array]:
+        """The same of a band with several springs (k, l_0)."""
+        return self._columns(effect, [(shape, *spring) for spring in springs], pulls)
+
+    def _columns(
+        self,
+        effect: BandEffect,
+        asked: Sequence[tuple[tuple[float, ...], float, float]],
+        pulls: Sequence[BoolArray] | None,
+    ) -> list[Array]:
+        """Of each shape, k and l_0."""
+        if not asked:
             return []
-        parts: list[list[Array]] = [[] for _ in shapes]
+        parts: list[list[Array]] = [[] for _ in asked]
         for number, run in enumerate(self.runs):
-            signals = self.signals(run, k, l_0, effect.per_segment)
-            added = [effect.added_tension(signals, shape) for shape in shapes]
+            springs = dict.fromkeys((k, l_0) for _, k, l_0 in asked)
+            signals = {spring: self.signals(run, *spring, effect.per_segment) for spring in springs}
+            added = [effect.added_tension(signals[k, l_0], shape) for shape, k, l_0 in asked]
             if pulls is not None and not effect.per_segment:
                 added = [each * pulls[number][:, None] for each in added]
             pull = run.log.as_torque(np.concatenate(added, axis=-1))
-            for part, own in zip(parts, np.split(pull, len(shapes), axis=-1), strict=True):
+            for part, own in zip(parts, np.split(pull, len(asked), axis=-1), strict=True):
                 if effect.per_segment:
-                    part.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, own))
+                    part.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, np.ascontiguousarray(own)))
                 else:
                     part.append(-run.jacobian[:, :, None] * own[:, None, :])
         return [np.concatenate(part) for part in parts]

@@ -74,6 +74,8 @@ def back_up(installation: Installation, folder: Path, holder: str, said: Said = 
         (folder / f"{ROWS}.new").mkdir()
         with reading_all(installation.engine) as (connection, tables):
             revision = migrate.revision_of(connection)
+            if revision is None:
+                raise Conflict("there is nothing of exogauge in this database: its address may be another's")
             names, counts = set[str](), dict[str, dict[str, Any]]()
             for table in tables:
                 counts[table.name] = write_rows(connection, table, folder / f"{ROWS}.new", names)

@@ -18,7 +18,7 @@ from exogauge.settings import Settings
 from exogauge.storage import chores
 from exogauge.storage.checking import check
 from exogauge.storage.closing import due_labs, remove_lab
-from exogauge.storage.retention import Ages, retire
+from exogauge.storage.retention import Ages, no_labs, retire
 from exogauge.storage.store import Installation
 from exogauge.storage.sweeping import sweep_installation, sweep_machine
 
@@ -103,6 +103,10 @@ class Housekeeping:
         return asdict(sweep_installation(self._installation, still=partial(self._still, SWEEP)))
 
     def _retire(self) -> dict[str, Any]:
+        with self._installation.reading() as session:
+            unknown = no_labs(session, self._settings.studies_kept_days, self._settings.lab)
+        if unknown:
+            log.warning("EXOGAUGE_STUDIES_KEPT_DAYS names labs that are not there: %s", ", ".join(unknown))
         return retire(self._installation, Ages.of(self._settings), partial(self._still, AGED)).as_json()
 
     def _remove_closed(self) -> dict[str, Any]:

@@ -8,6 +8,8 @@ export type Invitation = Schemas["InvitationOut"];
 export type Token = Schemas["TokenOut"];
 export type AuditEntry = Schemas["AuditOut"];
 
+export type Retention = Schemas["Retention"];
+
 const PAGE = 50;
 
 export function useMembers() {
@@ -39,6 +41,13 @@ export function useAudit(search: string) {
       answer(api.GET("/api/v1/lab/audit", { params: { query: { limit: PAGE, cursor: pageParam, search: search || undefined } }, signal })),
     initialPageParam: undefined as string | undefined,
     getNextPageParam: (page) => page.next_cursor ?? undefined,
+  });
+}
+
+export function useRetention() {
+  return useQuery({
+    queryKey: ["lab", "retention"],
+    queryFn: ({ signal }) => answer(api.GET("/api/v1/lab/retention", { signal })),
   });
 }
 

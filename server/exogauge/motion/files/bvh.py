@@ -12,6 +12,7 @@ from exogauge.motion.files.captured import Captured, fault, lines_of, number, po
 from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
+RADIANS = 3.2  # judgement: a turn by more is none of a body's joint in radians, and by less hardly a motion in degrees
 
 
 def read_bvh(path: Path) -> Captured:
@@ -59,7 +60,10 @@ def read_bvh(path: Path) -> Captured:
     count = lines[begin].split()[-1]
     step = number(path, lines[begin + 1].split()[-1], begin + 2, "Frame Time")
     rows = [(row, line.split()) for row, line in enumerate(lines[begin + 2 :], start=begin + 3) if line.strip()]
-    if count != str(len(rows)) or not rows or step <= 0.0:
+    if step <= 0.0:
+        raise fault(path, "a frame takes no time", "no_rate", "Frame Time is that of one frame, in seconds",
+                    row=begin + 2, column="Frame Time", value=f"{step:g}")  # fmt: skip
+    if count != str(len(rows)) or not rows:
         raise fault(path, f"{len(rows)} frames are there and {count} announced", "frame_count",
                     "The file was cut off, or joined of two: export it again", row=begin + 1, value=count)  # fmt: skip
     wide = sum(len(each) for each in channels)
@@ -67,7 +71,11 @@ def read_bvh(path: Path) -> Captured:
         if len(words) != wide:
             raise fault(path, f"{len(words)} numbers for {wide} channels", "row_length", "Export it again", row=row)
     data = np.array([[number(path, word, row, "motion") for word in words] for row, words in rows])
-    return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None,
+    turns = np.array([each.endswith("rotation") for named in channels for each in named], dtype=bool)
+    most, told = float(np.abs(data[:, turns]).max(initial=0.0)), {}
+    if 0.0 < most < RADIANS:
+        told["angle_doubt"] = f"no angle is larger than {most:.2g}: degrees, as a BVH file has them, or radians?"
+    return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None, told=told,
                     skeleton=_posed(names, np.array(parent, np.intp), offset, end, channels, data))  # fmt: skip
 
 

@@ -76,7 +76,7 @@ def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured
     """Prefixes of subjects off; what is named twice and cannot be told apart is numbered, and told."""
     told, labels, position = dict(captured.told), captured.labels, captured.position
     if position is None:
-        return captured
+        return _without_prefix(captured)
     prefixes = Counter(label.rsplit(":", 1)[0] for label in labels if ":" in label)
     if len(prefixes) > 1 and subject not in prefixes:
         raise fault(path, f"{len(prefixes)} people are in the file", "two_people",
@@ -95,6 +95,16 @@ def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured
         seen[label] += 1
         single.append(label if seen[label] == 1 and label not in twice else f"{label} #{seen[label]}")
     return replace(captured, labels=tuple(single), position=position, told=told)
+
+
+def _without_prefix(captured: Captured) -> Captured:
+    """A skeleton whose bones all have one, as `mixamorig:Hips`."""
+    body = captured.skeleton
+    prefixes = set() if body is None else {name.rpartition(":")[0] for name in body.names}
+    if body is None or len(prefixes) != 1 or (of := prefixes.pop()) == "":
+        return captured
+    names = tuple(name.removeprefix(of + ":") for name in body.names)
+    return replace(captured, skeleton=replace(body, names=names), told=dict(captured.told) | {"prefix": of})
 
 
 def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captured:
@@ -129,15 +139,22 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
     if not np.isfinite(points).any():
         raise fault(path, "no marker was seen in any frame", "all_gaps", "Export the trial with its trajectories")
     told = {"format": captured.format, **captured.told, "preset": preset or "none knows these names"}
+    twice = sorted(name for name, times in Counter(names).items() if times > 1 and name in segment)
+    if twice:
+        raise fault(path, "two bones have the same name", "same_name", "Give each a name of its own", column="names",
+                    value=twice[0])  # fmt: skip
     unknown = [name for name in names if name not in segment]
     if unknown:
         told["unknown"] = ", ".join(unknown)
     tall = _feet_to_head(points, names, segment)
-    axis, told["up"] = _up(path, captured, up, tall)
+    axis, told["up"] = _up(path, captured, up, tall, unknown)
     height = float(np.percentile(np.linalg.norm(tall, axis=1), 90)) if tall is not None else np.nan
     metres, told["unit"] = _metres(path, captured, unit, height)
     if tall is not None and not USUAL.shortest_m <= height * metres <= USUAL.tallest_m:
         told["unit_doubt"] = f"feet to head would be {height * metres:.3g} m"
+        if not USUAL.shortest_m / USUAL.no_body <= height * metres <= USUAL.tallest_m * USUAL.no_body:
+            raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm or in", column="unit",
+                        value=told["unit"])  # fmt: skip
     turn = _upright(axis)
     if body is None:
         place = points @ turn.T * metres
@@ -174,7 +191,9 @@ def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segm
     return way if len(way) else None
 
 
-def _up(path: Path, captured: Captured, stated: str | None, tall: Array | None) -> tuple[Array, str]:
+def _up(
+    path: Path, captured: Captured, stated: str | None, tall: Array | None, unknown: list[str]
+) -> tuple[Array, str]:
     if stated is not None:
         if stated.lower() not in AXES:
             raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
@@ -182,8 +201,9 @@ def _up(path: Path, captured: Captured, stated: str | None, tall: Array | None) 
     if captured.up is not None:
         return captured.up, f"read: {_name(captured.up)}"
     if tall is None:
-        raise fault(path, "which way is up is neither said nor seen", "no_up_axis", "Say it: up = x, y or z",
-                    column="up")  # fmt: skip
+        detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"
+        raise fault(path, detail, "no_up_axis", "Say by `names` what yours are called elsewhere, or say up = x, y or z",
+                    column="up", value=", ".join(unknown[:8]) or None)  # fmt: skip
     mean = np.median(tall, axis=0)
     k = int(np.abs(mean).argmax())
     if abs(mean[k]) < USUAL.upright * np.linalg.norm(mean):

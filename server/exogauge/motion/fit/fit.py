@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_fit import USUAL, MotionFit
+from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.body import SCALES, human_body
 from exogauge.motion.fit.kinematics import Points, places, pose
 from exogauge.motion.fit.observed import Observed, observe, standing, untracked
@@ -47,6 +48,8 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
     at = pose(body, q, shared.scale)
     miss = observed.position - places(at, observed.points, shared.scale, offset)
     residual = np.sqrt(np.nanmean(np.sum(miss**2, axis=2), axis=0))
+    if motion.markers is not None and (left := float(np.sqrt(np.mean(residual**2)))) > criteria.no_body_rms:
+        _refuse(motion, static, left, criteria)
     ends = Points(
         np.array([body.part[part] for part in ENDS], dtype=np.intp), np.array(list(ENDS.values())),  # type: ignore[index]
         np.array([[SCALES.index(part[2:])] * 3 for part in ENDS]),
@@ -60,6 +63,27 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
         {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
         observed.labels, offset, residual, shared.noise, _told(observed, shared, offset, residual, criteria),
     )  # fmt: skip
+
+
+def _refuse(motion: HumanMotion, static: HumanMotion | None, left: float, criteria: MotionFit) -> None:
+    """Raises BadMotion; where the mirrored motion is a body's, with that. left: [m] rms."""
+    detail = f"no body fits these markers: {100 * left:.1f} cm rms are left"
+    advice = "See to their names, the unit and the vertical axis; give a static trial"
+    try:
+        fit_human(
+            mirrored(motion), None if static is None else mirrored(static), replace(criteria, no_body_rms=left / 2)
+        )
+    except BadMotion:
+        raise BadMotion(Fault(detail, "no_body", advice, motion.name)) from None
+    detail += ", and less than half of that in a mirror"
+    advice = "Left and right are exchanged in the markers' names, or one axis of the file points the other way"
+    raise BadMotion(Fault(detail, "mirrored", advice, motion.name))
+
+
+def mirrored(motion: HumanMotion) -> HumanMotion:
+    """Its markers as in a mirror, under the same names."""
+    assert motion.markers is not None
+    return replace(motion, markers=replace(motion.markers, position=motion.markers.position * [1.0, -1.0, 1.0]))
 
 
 def _named(values: Array) -> dict[str, float]:

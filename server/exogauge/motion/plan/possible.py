@@ -9,12 +9,14 @@ from typing import final
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion
 from exogauge.motion.person import Person
+from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
-Tried = Callable[[str, float, bool], None]
+Tried = Callable[[str, float, int, bool], None]
+"""What was changed, by how much, on how many nodes it was planned, and whether it holds."""
 
 
 @final
@@ -30,10 +32,9 @@ class Possible:
 def what_would_do(
     robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
 ) -> Possible | None:
-    """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
-    what was planned, and whether it holds. What is slower has its nodes as much further apart, as many for the same
-    way; what lies between them is judged. Each begins at home, at rest: what is lacking there none can have, and
-    another home is what would do: None then."""
+    """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. What is
+    slower has its nodes as much further apart, as many for the same way; what lies between them is judged. Each begins
+    at home, at rest: what is lacking there none can have, and another home is what would do: None then."""
     if at_home(robot, criteria).lacks:
         return None
 
@@ -42,9 +43,10 @@ def what_would_do(
                        ahead_s=k * criteria.ahead_s)  # fmt: skip
 
     def holds(what: str, value: float, changed: Person, own: MotionPlan) -> bool:
-        found = can(robot, changed, own)
+        asked, _ = ask(robot, changed, own)
+        found = kept(robot, asked, own)
         if tried is not None:
-            tried(what, value, found)
+            tried(what, value, len(asked.q), found)
         return found
 
     slower = nearest(lambda k: holds("slower", k, person.slowed(k), paced(k)), 1.0, criteria.slowest, criteria.within)
@@ -52,9 +54,8 @@ def what_would_do(
     return Possible(slower, share)
 
 
-def can(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> bool:
-    """Whether a person's motion can be planned within every bound."""
-    asked, _ = ask(robot, person, criteria)
+def kept(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL) -> bool:
+    """Whether what is asked can be planned within every bound."""
     try:
         _, judged = plan_within(
             robot, asked, criteria, stop=lambda made: bool(made.unsettled) or made.excess.max() > criteria.over

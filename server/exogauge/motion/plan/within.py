@@ -37,6 +37,8 @@ def plan_within(
     )  # fmt: skip
     if judged.apart.min() < criteria.clearance_m:
         stricter = replace(stricter, apart_m=criteria.apart_m + criteria.more_m)
+    if judged.least_inside is not None and judged.least_inside < criteria.inside_m:
+        stricter = replace(stricter, calm=criteria.calmer)
     again = plan(robot, asked, stricter, report, stop)
     found = _judged(robot, asked, again, criteria, rate)
     if len(found.broken) < len(judged.broken):

@@ -20,7 +20,7 @@ export function AuditLog() {
   return (
     <Stack gap="sm">
       <Text size="sm" c="dimmed">
-        Who did what, newest first. Lines are only ever added: the database refuses to change or delete one.
+        Who did what, newest first. Lines are only ever added: the service can change or delete none. Who runs it can put old ones into a file; a line tells that then.
       </Text>
       <Group>
         <SearchBox what="the audit" placeholder="An action, a sort of thing, an id" sought={sought} />

@@ -11,9 +11,10 @@ import { AuditLog } from "./AuditLog";
 import { CloseLab } from "./CloseLab";
 import { Invitations } from "./Invitations";
 import { Members } from "./Members";
+import { WhatGoes } from "./WhatGoes";
 import { Webhooks } from "./Webhooks";
 
-const TABS = ["audit", "webhooks"];
+const TABS = ["audit", "age", "webhooks"];
 
 export function Component() {
   const { data: session, error, refetch } = useSession();
@@ -34,6 +35,7 @@ export function Component() {
           <Tabs.List mb="md">
             <Tabs.Tab value="members">Members</Tabs.Tab>
             <Tabs.Tab value="audit">Audit</Tabs.Tab>
+            <Tabs.Tab value="age">What goes by age</Tabs.Tab>
             <Tabs.Tab value="webhooks">Webhooks</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="members">
@@ -45,6 +47,9 @@ export function Component() {
           </Tabs.Panel>
           <Tabs.Panel value="audit">
             <AuditLog />
+          </Tabs.Panel>
+          <Tabs.Panel value="age">
+            <WhatGoes />
           </Tabs.Panel>
           <Tabs.Panel value="webhooks">
             <Webhooks />

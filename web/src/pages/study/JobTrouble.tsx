@@ -4,8 +4,15 @@ import { IconInfoCircle } from "@tabler/icons-react";
 import { ProblemBox } from "../../parts/ProblemBox";
 import type { Job } from "./jobs";
 
-/** Why a job did not succeed, and what to do about it. */
+/** Why a job did not succeed, or began anew, and what to do about it. */
 export function JobTrouble({ job, onLog }: { job: Job; onLog: React.ReactNode }) {
+  if (job.attempts > 1 && (job.state === "running" || job.state === "succeeded"))
+    return (
+      <Text size="sm" c="dimmed" mb="md">
+        Begun {job.attempts} times: the process that computed it ended before it was done (killed, crashed or cut off), so all was computed again.
+        Nothing that was handed in is lost. {onLog}
+      </Text>
+    );
   if (job.state === "cancelled")
     return (
       <Alert icon={<IconInfoCircle aria-hidden />} color="gray" variant="outline" title="This job was cancelled" mb="md">
