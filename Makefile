@@ -14,11 +14,12 @@ CHROMIUM := command -v chromium >/dev/null || { \
 # A file's tests stay in one process: a study that they share is evaluated once. Twice as many processes as the two
 # cores that are counted on: nearly half of the time a test waits for a service, a lease or a worker.
 TESTS := $(BIN)/python -m pytest -n 4 --dist loadfile --no-loadscope-reorder
+BESIDE := --no-print-directory -j 2  # types are one process for a minute
 export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check checked types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check checked quick-tests every-test types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -27,7 +28,7 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("exogauge needs Python 3.11 or newer, this is " + sys.version.split()[0] + ": make PYTHON=python3.11 …" if sys.version_info < (3, 11) else 0)'
 	@echo "installing into $(VENV), which takes a minute or two and 2 GB …"
 	@$(PYTHON) -m venv $(VENV)
-	@$(PIP) --require-hashes -r requirements.lock
+	@$(PIP) --no-compile --require-hashes -r requirements.lock
 	@$(PIP) --no-deps --no-build-isolation --editable .
 	@$(BIN)/python -m exogauge.loops
 	@touch $(READY)
@@ -50,7 +51,7 @@ openapi: $(READY)  ## write web/openapi.json, which the web app's types are made
 	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
 
 test: checked  ## what `make check` does and the slow tests: all but those that drive a browser, which `make e2e` runs
-	$(TESTS) -m "not e2e"  # quick ones too: they are collected once, and share what the slow ones of their file evaluate
+	@$(MAKE) $(BESIDE) types every-test
 
 e2e: web  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
 	@$(CHROMIUM)
@@ -61,15 +62,21 @@ screenshots: web  ## the same, keeping a picture of every page in the folder SCR
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
 check: checked  ## style, types, import layers, migrations and the quick tests
-	$(TESTS) -m "not slow"
+	@$(MAKE) $(BESIDE) types quick-tests
 
 checked: web
-	@$(MAKE) --no-print-directory -j 2 types compiled style layers page
+	@$(MAKE) --no-print-directory -j 2 compiled style layers page
+
+quick-tests:
+	$(TESTS) -m "not slow"
+
+every-test:  # quick ones too: they are collected once, and share what the slow ones of their file evaluate
+	$(TESTS) -m "not e2e"
 
 types:
 	$(BIN)/mypy
 
-compiled:  # the tests, once and beside the types: each of the processes that run them would compile all of them
+compiled:  # the tests, once: each of the processes that run them would compile all of them
 	@mkdir -p .cache && $(BIN)/python -m pytest --collect-only --quiet >.cache/collected || { tail -n 40 .cache/collected; exit 1; }
 
 style:

@@ -138,3 +138,16 @@ def test_a_link_without_inertia_and_a_frame_of_zeros_are_fine():
 
 def test_a_flat_plate_rounded_to_seven_digits_is_accepted():
     check_urdf(_robot(_link("a", inertia=_spread(0.1, 0.2, 0.3000001))))
+
+
+def test_the_inertia_that_is_advised_in_place_of_an_impossible_one_is_accepted():
+    """A stock robot's upper arm (Romeo): its i_zz is a tenth of what the others ask for."""
+    stock = (
+        'ixx="0.000742356" ixy="0.000617202" ixz="5.98521e-06" iyy="0.00649989" iyz="-1.07417e-06" izz="0.000664209"'
+    )
+    with pytest.raises(BadRobot) as caught:
+        check_urdf(_robot(_link("a", inertia=f"<inertia {stock}/>")))
+    (fault,) = caught.value.faults
+    advised = fault.advice.partition("of a body: ")[2]
+    assert advised.count("=") == 6
+    check_urdf(_robot(_link("a", inertia=f"<inertia {advised}/>")))

@@ -71,7 +71,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
             slips.append(replace(best, logs=tuple(seen[k].log for k in logs)))
             now = {k: Expected(robot, best.remedy.undo(state.expected[k].seen)) for k in logs}
             state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
-    return [replace(each, settled=each in first or state.settled(each)) for each in slips], as_read
+    return [replace(each, settled=each in first or state.explains(each)) for each in slips], as_read
 
 
 def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
@@ -118,7 +118,7 @@ class _State:
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
             tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(remedies)]
             tried.sort(key=lambda each: -each[1])
-            if tried and tried[0][1] > self.criteria.decisive and self.settles(tried[0][0]):
+            if tried and tried[0][1] > self.criteria.decisive and self.explained_with(tried[0][0]):
                 break  # nothing else need be tried
         if not tried or tried[0][1] < self.criteria.decisive:
             return None
@@ -140,13 +140,14 @@ class _State:
         rivals = (each for each, its in tried if each is not best and its > least and each.joints == best.joints)
         return next(rivals, None)
 
-    def settles(self, remedy: Remedy) -> bool:
+    def explained_with(self, remedy: Remedy) -> bool:
         """Whether no axis stays in doubt with it that is now, or that it touches; a factor of an effort hides much."""
         then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
         asked = {*self._touched(remedy), *self.doubted()}
         return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in asked)
 
-    def settled(self, slip: Slip) -> bool:
+    def explains(self, slip: Slip) -> bool:
+        """Whether its joints are in no doubt, in its logs."""
         logs = [k for k, each in enumerate(self.seen) if each.log in slip.logs]
         part = _State(self.robot, [self.expected[k] for k in logs])
         return not any(part.in_doubt(axis) for axis in slip.remedy.joints if axis in part.axes())

@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, ParseError
 import defusedxml.ElementTree
 import numpy as np
 from defusedxml import DefusedXmlException
+from numpy.typing import NDArray
 
 from exogauge.errors import BadRobot, Fault
 from exogauge.remarks import About, Remark
@@ -27,7 +28,9 @@ ROUNDED = 1e-12  # kg·m²: less than that is a zero that was computed
 
 JOINT_TYPES = frozenset({"revolute", "continuous", "prismatic", "fixed", "floating", "planar"})
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic"})
-INERTIA_NAMES = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
+PLACES = {"ixx": (0, 0), "ixy": (0, 1), "iyy": (1, 1), "ixz": (0, 2), "iyz": (1, 2), "izz": (2, 2)}
+INERTIA_NAMES = tuple(PLACES)
+Array = NDArray[np.float64]
 
 
 def check_urdf(urdf: bytes, file: str = "robot.urdf") -> None:
@@ -166,23 +169,31 @@ def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
         yield Fault(f"{what}: the mass must be positive", "mass_not_positive",
                     "A frame without mass has no <inertial> element", file, value=mass.get("value"))  # fmt: skip
     xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)
-    low, middle, high = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    low, middle, high = np.linalg.eigvalsh(matrix)
     margin = INERTIA_TOLERANCE * (abs(low) + abs(middle) + abs(high))
     moments = f"principal moments {low:.6g}, {middle:.6g}, {high:.6g}"
     if low < -margin:
         yield Fault(f"{what}: the inertia about the centre of mass is not positive semi-definite",
                     "inertia_not_positive", "Check signs and units (kg·m²)", file, value=moments)  # fmt: skip
     elif low + middle < high - margin:
+        possible = " ".join(f'{name}="{_nearest_possible(matrix)[place]:.6g}"' for name, place in PLACES.items())
+        advice = f"Give more digits, or check that it is about the centre of mass. The nearest of a body: {possible}"
         yield Fault(f"{what}: no body has these moments, the largest exceeds the sum of the others",
-                    "inertia_triangle", "Give more digits, or check that it is about the centre of mass", file,
-                    value=moments)  # fmt: skip
+                    "inertia_triangle", advice, file, value=moments)  # fmt: skip
+
+
+def _nearest_possible(matrix: Array) -> Array:
+    """(3, 3) The principal second moments ∫ r² dm that are negative become 0; axes stay."""
+    principal, axes = np.linalg.eigh(matrix)
+    second = np.maximum(0.5 * principal.sum() - principal, 0.0)
+    return np.asarray((axes * (second.sum() - second)) @ axes.T)
 
 
 def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, tuple[float, ...]]]:
     """Write the nearest possible inertia where a link's misses it by little; (link, by how much, its moments).
 
-    The principal second moments ∫ r² dm that are negative become 0, which moves the inertia least; mass, centre and
-    axes stay. Inertias beyond that, and what is no number, are left to `_inertial_faults`.
+    Mass, centre and axes stay. Inertias beyond that, and what is no number, are left to `_inertial_faults`.
     """
     raised = []
     for link in robot.findall("link"):
@@ -191,17 +202,14 @@ def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, tuple[f
             mass = float(link.find("inertial/mass").get("value", ""))  # type: ignore[union-attr]
             xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)  # type: ignore[union-attr]
             matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-            principal, axes = np.linalg.eigh(matrix)
+            principal = np.linalg.eigvalsh(matrix)
         except (AttributeError, ValueError, np.linalg.LinAlgError):
             continue
-        second = 0.5 * principal.sum() - principal  # ∫ r² dm along each axis
-        short = -2.0 * float(second.min())
+        short = float(2.0 * principal[2] - principal.sum())
         if mass <= 0.0 or not INERTIA_TOLERANCE * np.abs(principal).sum() < short <= SLIGHT:
             continue
-        second = np.maximum(second, 0.0)
-        possible = (axes * (second.sum() - second)) @ axes.T
-        places = {"ixx": (0, 0), "ixy": (0, 1), "iyy": (1, 1), "ixz": (0, 2), "iyz": (1, 2), "izz": (2, 2)}
-        for name, place in places.items():
+        possible = _nearest_possible(matrix)
+        for name, place in PLACES.items():
             inertia.set(name, repr(float(possible[place])))  # type: ignore[union-attr]
         raised.append((link.get("name", ""), short, tuple(map(float, principal))))
     return raised
