@@ -19,7 +19,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check checked quick-tests every-test types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test thorough e2e screenshots check checked quick-tests every-test types compiled style layers page fuzz chaos load bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -71,7 +71,10 @@ quick-tests:
 	$(TESTS) -m "not slow"
 
 every-test:  # quick ones too: they are collected once, and share what the slow ones of their file evaluate
-	$(TESTS) -m "not e2e"
+	$(TESTS) -m "not e2e and not thorough"
+
+thorough: web  ## before a release: whole samples as a laboratory records them, and what takes long beside a quicker test
+	$(TESTS) -m "thorough and not e2e"
 
 types:
 	$(BIN)/mypy

@@ -13,7 +13,7 @@ from exogauge.settings import Settings
 from exogauge.synthetic import refuse_fall
 from exogauge.synthetic.played import read_motions
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 
 
 def test_a_capture_becomes_a_table_that_the_sample_plays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

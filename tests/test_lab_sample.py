@@ -11,7 +11,7 @@ from exogauge.synthetic.disturbances import LAB
 from exogauge.synthetic.log_plans import log_plans
 from exogauge.synthetic.study import write_study
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 TRIALS = ("1",)
 LEFT_OUT = ("id_3", "id_4", "val_2")
 

@@ -10,7 +10,7 @@ import pytest
 from exogauge.synthetic.log_plans import log_plans
 from exogauge.synthetic.study import write_study
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 LOGS = ("id_1", "id_2", "val_1", "bend_plain", "twist_plain")
 
 EVALUATED = """

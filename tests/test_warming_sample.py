@@ -15,7 +15,7 @@ from exogauge.support.evaluate import estimate_support
 from exogauge.synthetic.log_plans import log_plans
 from exogauge.synthetic.study import write_study
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 LOGS = ("id_1", "id_2", *(f"bend_{suit}_{n}" for suit, n in
         (("plain", 1), ("plain", 2), ("normal", 1), ("normal", 2), ("plain", 6), ("plain", 7))))  # fmt: skip
 

@@ -19,7 +19,7 @@ from exogauge.storage.tables import Job
 
 # EXOGAUGE_TEST_REQUESTS=200 asks for more of each operation and kind, and for others every time.
 REQUESTS = os.environ.get("EXOGAUGE_TEST_REQUESTS")
-EXAMPLES = int(REQUESTS or 8)
+EXAMPLES = int(REQUESTS or 4)
 KINDS = {"right": schemathesis.GenerationMode.POSITIVE, "wrong": schemathesis.GenerationMode.NEGATIVE}
 
 schemathesis.serializer.alias("application/offset+octet-stream", "application/octet-stream")

@@ -278,10 +278,15 @@ def test_bands_as_described_are_left_alone(trunk, seed, approach):
 
 HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness", "band_length", "band_slip",
           "band_via_friction"]  # fmt: skip
+COSTLY = {"band_via_friction", "band_relaxation"}
+TURNS = [
+    pytest.param(effect, band, marks=[pytest.mark.thorough] if effect in COSTLY else [])
+    for effect, band in zip(HIDDEN, itertools.cycle(["left", "right"]), strict=False)
+]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("effect", "band"), list(zip(HIDDEN, itertools.cycle(["left", "right"]), strict=False)))
+@pytest.mark.parametrize(("effect", "band"), TURNS)
 def test_what_is_hidden_in_a_band_is_named_there_and_nothing_else(trunk, effect, band):
     found = search(trunk, (band, effect))
     assert named(found) == [(effect, band)]
@@ -306,6 +311,7 @@ def test_the_truth_lies_within_a_few_standard_deviations(trunk, effect):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_when_an_anchor_slips_is_told_as_sharply_as_it_is_known(trunk):
     """Half of it is gone 9.15 s into the fifth log; the error over several noises is what the std says it is."""
     off = []
@@ -438,6 +444,7 @@ def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("effect", [each for each in HIDDEN if each != "band_slip"])
 def test_what_was_named_and_is_stated_now_is_not_named_again_and_the_stiffness_stays(trunk, effect):
     """Into device.yaml as text, read again, the same logs with it."""

@@ -48,7 +48,7 @@ def limits(robot, recordings):
     return band_limits(anew(recordings), recordings, anew)
 
 
-@pytest.mark.parametrize(("hz", "decimals"), [(2.0, 3), (5.0, 12)])
+@pytest.mark.parametrize(("hz", "decimals"), [(2.0, 3), pytest.param(5.0, 12, marks=pytest.mark.thorough)])
 def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
     through = stored_through(butter(4, hz, fs=RATE, output="sos"))
 
@@ -69,7 +69,7 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
 @pytest.mark.parametrize(
     ("sections", "both_ways"),
     [
-        (butter(8, 3.0, fs=RATE, output="sos"), True),
+        pytest.param(butter(8, 3.0, fs=RATE, output="sos"), True, marks=pytest.mark.thorough),
         (bessel(8, 3.0, fs=RATE, output="sos", norm="mag"), True),
         (butter(8, 3.0, fs=RATE, output="sos"), False),
     ],
@@ -81,7 +81,7 @@ def test_a_filter_of_another_shape_is_seen_too(robot, study, sections, both_ways
     assert 2.0 < found.band.cutoff.value < 4.0
 
 
-@pytest.mark.parametrize(("order", "late"), [(2, True), (2, False), (4, True)])
+@pytest.mark.parametrize(("order", "late"), [pytest.param(2, False, marks=pytest.mark.thorough), (4, True)])
 def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(robot, study, order, late):
     through = stored_through(butter(order, 3.0, fs=RATE, output="sos"), both_ways=not late)
     found = limits(robot, changed(study(), through))
@@ -92,7 +92,7 @@ def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(ro
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
 
-@pytest.mark.parametrize(("order", "hz"), [(1, 5.0), (2, 3.0), (3, 4.0)])
+@pytest.mark.parametrize(("order", "hz"), [(1, 5.0), pytest.param(3, 4.0, marks=pytest.mark.thorough)])
 def test_a_gentle_low_pass_of_positions_and_torques_is_seen_by_the_noise_it_takes_along(robot, study, order, hz):
     rng = np.random.default_rng(order)
     through = stored_through(butter(order, hz, fs=RATE, output="sos"), both_ways=False)
@@ -247,7 +247,12 @@ def test_what_the_maker_states_of_the_noise_passes_the_low_pass_too(robot, study
     ("noise", "limited", "said"),
     [
         ({}, slice(1, None), "The noise floor is what the noise of the other logs leaves behind that low-pass."),
-        ({"tau": 0.05}, slice(None), "The noise floor is what the noise that robot.yaml states leaves behind"),
+        pytest.param(
+            {"tau": 0.05},
+            slice(None),
+            "The noise floor is what the noise that robot.yaml states leaves behind",
+            marks=pytest.mark.thorough,
+        ),
         ({}, slice(None), "There is no noise floor to hold that against"),
     ],
     ids=["others", "stated", "unknown"],

@@ -99,7 +99,7 @@ class Played:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rate", [200.0, 1000.0])
+@pytest.mark.parametrize("rate", [200.0, pytest.param(1000.0, marks=pytest.mark.thorough)])
 def test_drawn_motions_and_mixtures_keep_every_bound_as_mujoco_sees_them(reach: Reach, rate: float) -> None:
     names = [reach.stance.robot.joints[k] for k in reach.order]
     sweep = Choice(names.index("torso_pitch"), Sweep("sine", 0.1, 0.1, 0.0, 0.2, 20.0, 4.0), None, (0.0, 0.0), 1.0)

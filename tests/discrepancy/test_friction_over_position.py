@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
+from types import CodeType
 from typing import final
 
 import numpy as np
@@ -60,18 +62,26 @@ class Depth:
         self.chain, self.of_search = (), ()
 
     def __call__(self, frame, event, arg):
-        if event != "call":
+        if event != "call" or not _ours(frame.f_code):
             return
         chain = []
         while frame is not None and frame.f_code is not find_missing_effects.__code__:
-            path = Path(frame.f_code.co_filename)
-            if HOUSE in path.parents and not frame.f_code.co_name.startswith("<"):  # no comprehension, no lambda
-                chain.append(f"{path.relative_to(HOUSE).with_suffix('')}:{frame.f_code.co_name}")
+            if name := _ours(frame.f_code):
+                chain.append(name)
             frame = frame.f_back
         if frame is None:
             return
         of_search = [each for each in chain if each.startswith(SEARCH)]
         self.chain, self.of_search = max(self.chain, chain, key=len), max(self.of_search, of_search, key=len)
+
+
+@cache
+def _ours(code: CodeType) -> str:
+    """Where a function of the house stands; empty for others', comprehensions and lambdas."""
+    path = Path(code.co_filename)
+    if HOUSE not in path.parents or code.co_name.startswith("<"):
+        return ""
+    return f"{path.relative_to(HOUSE).with_suffix('')}:{code.co_name}"
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.payload_rows import spread
@@ -78,7 +78,7 @@ class Touched:
 
 def false_alarm_limit(per_sample: float) -> float:
     """What fᵀ C⁻¹ f of three normal forces exceeds so often."""
-    return float(chi2.isf(per_sample, 3))
+    return float(chdtri(3, per_sample))
 
 
 def second_zero(
