@@ -70,7 +70,7 @@ def days_from_now(at: str | None) -> float | None:
 def by_what(told: Any) -> dict[str, tuple[Any, ...]]:
     return {
         each["what"]: (each["of"], each["stay"], each["kept_days"], days_from_now(each["next_at"]))
-        for each in told["items"]
+        for each in told["kinds"]
     }
 
 
@@ -86,7 +86,7 @@ def test_an_admin_is_told_what_goes_when_and_that_is_what_goes(
     assert found["audit"][2:] == (3650.0, 3650.0)
     going = [(each["id"], days_from_now(each["goes_at"])) for each in told["studies"]]
     assert going == [(ids["old"], -1.0), (ids["unworked"], 1.0), (ids["next"], 3.0)]
-    assert (told["lab_id"], told["items"][0]["setting"]) == ("north", "EXOGAUGE_STUDIES_KEPT_DAYS")
+    assert (told["lab_id"], told["kinds"][0]["setting"]) == ("north", "EXOGAUGE_STUDIES_KEPT_DAYS")
     assert retire(people.installation, Ages.of(settings.model_copy(update=AGES))).studies == 1
     left = aged.get(f"{V1}/lab/retention").json()
     assert [each["id"] for each in left["studies"]] == [ids["unworked"], ids["next"]]

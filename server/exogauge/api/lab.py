@@ -225,7 +225,7 @@ class Retention(BaseModel):
     """studies: that go next, in order, where the lab's go by age."""
 
     lab_id: str
-    items: list[OutlookOut]
+    kinds: list[OutlookOut]
     studies: list[OldStudyOut]
 
 
@@ -416,7 +416,7 @@ def list_audit(store: ReaderDep, cursor: Cursor, limit: Limit = 50, search: Sear
 def get_retention(caller: CallerDep, store: ReaderDep, settings: SettingsDep) -> Retention:
     """What of the lab goes because it is old, what stays, and when."""
     lab, ages = caller.lab_id or "", Ages.of(settings)
-    items = [
+    kinds = [
         OutlookOut(
             what=each.what, of=each.of, stay=each.stay, next_at=each.next_at,
             kept_days=None if each.kept is None else each.kept / timedelta(days=1),
@@ -426,7 +426,7 @@ def get_retention(caller: CallerDep, store: ReaderDep, settings: SettingsDep) ->
     ]  # fmt: skip
     age = ages.studies.get(lab)
     studies = [] if age is None else next_studies(store.session, lab, age, MOST_STUDIES)
-    return Retention(lab_id=lab, items=items, studies=[OldStudyOut.model_validate(each) for each in studies])
+    return Retention(lab_id=lab, kinds=kinds, studies=[OldStudyOut.model_validate(each) for each in studies])
 
 
 AUDITED = tuple(name for name in AuditOut.model_fields if name != "who")

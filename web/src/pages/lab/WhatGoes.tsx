@@ -26,7 +26,7 @@ export function WhatGoes() {
   const { data, error, refetch } = useRetention();
   if (error && !data) return <ProblemBox error={error} retry={() => void refetch()} />;
   if (!data) return <Loading what="what goes by age" />;
-  const studies = data.items.find(({ what }) => what === "studies")!;
+  const studies = data.kinds.find(({ what }) => what === "studies")!;
   return (
     <Stack gap="lg">
       <Text size="sm" c="dimmed" style={{ maxWidth: "60rem" }}>
@@ -37,7 +37,7 @@ export function WhatGoes() {
         label="What goes by age"
         columns={["What", number("Kept", "days"), number("How many"), "Stay anyway", "The first goes", "Set by"]}
       >
-        {data.items.map((item) => (
+        {data.kinds.map((item) => (
           <Row key={item.what} item={item} />
         ))}
       </WideTable>
