@@ -7,7 +7,7 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { When } from "../../parts/When";
 import { number, WideTable } from "../../parts/WideTable";
 
-type Item = Retention["items"][number];
+type Item = Retention["kinds"][number];
 
 const WORDS: Record<Item["what"], { head: string; goes: string; stay: string }> = {
   studies: {
