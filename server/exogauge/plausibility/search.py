@@ -64,7 +64,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     every = tuple(range(len(seen)))
     for logs in [every, *((k,) for k in every if len(seen) > 1)]:
         while len(slips) < criteria.most_slips:
-            part = _State(robot, [state.expected[k] for k in logs])
+            part = _State(robot, [state.expected[k] for k in logs], logs == every)
             best = part.best_remedy()
             if best is None:
                 break
@@ -104,8 +104,9 @@ def _impossible(robot: Robot, seen: Snapshot, joint: int) -> bool:
 class _State:
     """The logs as they would be, with what was found so far undone."""
 
-    def __init__(self, robot: Robot, expected: Sequence[Expected]) -> None:
-        self.robot, self.expected = robot, expected
+    def __init__(self, robot: Robot, expected: Sequence[Expected], every: bool = True) -> None:
+        """every: these are all logs, not a single one among several."""
+        self.robot, self.expected, self._every = robot, expected, every
         self.seen = [each.seen for each in expected]
         self.criteria = self.seen[0].criteria if self.seen else Comparing()
         self._related, self._coupled, self._limbs = _related(robot), _coupled(robot), alike_limbs(robot)
@@ -117,16 +118,24 @@ class _State:
         tried = list[tuple[Remedy, float]]()
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
             tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(remedies)]
+            tried = [each for each in tried if each[1] > self.criteria.decisive and self.mends(each[0])]
             tried.sort(key=lambda each: -each[1])
-            if tried and tried[0][1] > self.criteria.decisive and self.explained_with(tried[0][0]):
+            if tried and self.explained_with(tried[0][0]):
                 break  # nothing else need be tried
-        if not tried or tried[0][1] < self.criteria.decisive:
+        if not tried:
             return None
         remedy, evidence = tried[0]
         axis = remedy.joints[0]
         then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
         left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
         return Slip(remedy, evidence, *left, self.as_good(remedy, tried))
+
+    def mends(self, remedy: Remedy) -> bool:
+        """No more is left at its own joints than before. What only others gain by is something else that is missing."""
+        then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
+        own = [axis for axis in remedy.joints if axis in self.axes()]
+        before, after = ([pooled(each, axis).misfit for axis in own] for each in (self.expected, then))
+        return max(after, default=0.0) <= max(before, default=0.0)
 
     def as_good(self, best: Remedy, tried: Sequence[tuple[Remedy, float]]) -> Remedy | None:
         """Of the same joints, one that the data do not tell from the best."""
@@ -180,8 +189,12 @@ class _State:
         return found
 
     def rare_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
-        """Of all joints whose position moves the load of one in doubt: what is wrong there may show elsewhere alone."""
-        about = [j for j in range(len(self.robot.joints)) if not self._related[j].isdisjoint(doubted)]
+        """Of all joints whose position moves the load of one in doubt: what is wrong there may show elsewhere alone.
+
+        Of a single log among several those in doubt alone: a mapping's slip is in all of them.
+        """
+        joints = range(len(self.robot.joints)) if self._every else doubted
+        about = [j for j in joints if not self._related[j].isdisjoint(doubted)]
         found = [remedy for joint in about for remedy in misread_positions(self.robot, joint)]
         found += [remedy for joint in set(about) - set(doubted) for remedy in reversals(joint)[1:]]
         pairs = [*(((one,), (other,)) for one, other in combinations(about, 2)), *self._limbs]
