@@ -14,7 +14,7 @@ from exogauge.synthetic.log_plans import log_plans
 from exogauge.synthetic.study import write_study
 
 pytestmark = pytest.mark.slow
-TRIALS = ("1",)
+TRIALS = ("1", "2")
 LEFT_OUT = ("id_3", "id_4", "val_2")  # the robot is known well enough without them
 JOINTS = {"bend": "torso_pitch", "twist": "torso_yaw"}
 
