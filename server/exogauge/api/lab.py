@@ -194,7 +194,7 @@ class AuditList(ListOf):
     items: list[AuditOut]
 
 
-MOST_STUDIES = 50  # that go next, as told on a page
+MOST_STUDIES = 50  # judgement: that go next, as many as a list of the API shows at first
 
 
 @final

@@ -37,6 +37,9 @@ class MotionImport:
     slow_m_per_s: float = 0.3
     smooth_s: float = 0.05
     shortest_step_s: float = 0.1
+    least_turn_deg: float = (
+        3.2  # judgement: π in radians, by which no joint of a body turns; a motion in degrees has more
+    )
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 

@@ -6,6 +6,14 @@ from collections.abc import Iterable, Mapping
 
 from exogauge.robots.moving.segments import Segment
 
+_LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
+
+
+def _limbs(before: str, names: str) -> dict[str, str]:
+    """Of a skeleton's bones, in the order of `_LIMBS`."""
+    return {f"{{s}}_{limb}": before + name for limb, name in zip(_LIMBS, names.split(), strict=True)}
+
+
 _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
     "Plug-in Gait, CMU and Vicon": {
         "pelvis": "{s}ASI {s}PSI {s}FWT {s}MWT {s}BWT",
@@ -36,26 +44,11 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_foot": "{s}FT1 {s}FT2 {s}FT3",
         "thorax": "{s}TA1 {s}TA2 {s}TA3",
     },
-    "Acclaim (CMU)": {
-        "{s}_upper_arm": "{s}HUMERUS", "{s}_forearm": "{s}RADIUS", "{s}_hand": "{s}HAND",
-        "{s}_thigh": "{s}FEMUR", "{s}_shank": "{s}TIBIA", "{s}_foot": "{s}FOOT",
-    },
-    "iClone": {
-        "{s}_upper_arm": "CC_BASE_{s}_UPPERARM", "{s}_forearm": "CC_BASE_{s}_FOREARM", "{s}_hand": "CC_BASE_{s}_HAND",
-        "{s}_thigh": "CC_BASE_{s}_THIGH", "{s}_shank": "CC_BASE_{s}_CALF", "{s}_foot": "CC_BASE_{s}_FOOT",
-    },
-    "Mixamo": {
-        "{s}_upper_arm": "{side}ARM", "{s}_forearm": "{side}FOREARM", "{s}_hand": "{side}HAND",
-        "{s}_thigh": "{side}UPLEG", "{s}_shank": "{side}LEG", "{s}_foot": "{side}FOOT",
-    },
-    "3ds Max Biped": {
-        "{s}_upper_arm": "BIP01_{s}_UPPERARM", "{s}_forearm": "BIP01_{s}_FOREARM", "{s}_hand": "BIP01_{s}_HAND",
-        "{s}_thigh": "BIP01_{s}_THIGH", "{s}_shank": "BIP01_{s}_CALF", "{s}_foot": "BIP01_{s}_FOOT",
-    },
-    "Xsens MVN": {
-        "{s}_upper_arm": "{side}SHOULDER", "{s}_forearm": "{side}ELBOW", "{s}_hand": "{side}WRIST",
-        "{s}_thigh": "{side}HIP", "{s}_shank": "{side}KNEE", "{s}_foot": "{side}ANKLE",
-    },
+    "Acclaim (CMU)": _limbs("{s}", "HUMERUS RADIUS HAND FEMUR TIBIA FOOT"),
+    "iClone": _limbs("CC_BASE_{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
+    "Mixamo": _limbs("{side}", "ARM FOREARM HAND UPLEG LEG FOOT"),
+    "3ds Max Biped": _limbs("BIP01_{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
+    "Xsens MVN": _limbs("{side}", "SHOULDER ELBOW WRIST HIP KNEE ANKLE"),
 }  # fmt: skip
 _MIDDLE: dict[str, dict[str, str]] = {
     "Plug-in Gait, CMU and Vicon": {"pelvis": "SACR", "thorax": "C7 T10 CLAV STRN RBAK", "head": "ARIEL"},

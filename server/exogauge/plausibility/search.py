@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import combinations
+from itertools import combinations, dropwhile
 from typing import final
 
 import numpy as np
@@ -109,6 +109,7 @@ class _State:
         self.robot, self.expected, self._every = robot, expected, every
         self.seen = [each.seen for each in expected]
         self.criteria = self.seen[0].criteria if self.seen else Comparing()
+        self._undone: tuple[Remedy, list[Expected]] | None = None
         self._related, self._coupled, self._limbs = _related(robot), _coupled(robot), alike_limbs(robot)
 
     def best_remedy(self) -> Slip | None:
@@ -118,21 +119,26 @@ class _State:
         tried = list[tuple[Remedy, float]]()
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
             tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(remedies)]
-            tried = [each for each in tried if each[1] > self.criteria.decisive and self.mends(each[0])]
-            tried.sort(key=lambda each: -each[1])
+            tried = sorted((each for each in tried if each[1] > self.criteria.decisive), key=lambda each: -each[1])
+            tried = list(dropwhile(lambda each: not self.mends(each[0]), tried))
             if tried and self.explained_with(tried[0][0]):
                 break  # nothing else need be tried
         if not tried:
             return None
         remedy, evidence = tried[0]
         axis = remedy.joints[0]
-        then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
-        left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
+        left = pooled(self.expected, axis).misfit, pooled(self.undone(remedy), axis).misfit
         return Slip(remedy, evidence, *left, self.as_good(remedy, tried))
+
+    def undone(self, remedy: Remedy) -> list[Expected]:
+        """The logs with a remedy; kept for the next question about the same."""
+        if self._undone is None or self._undone[0] is not remedy:
+            self._undone = remedy, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
+        return self._undone[1]
 
     def mends(self, remedy: Remedy) -> bool:
         """No more is left at its own joints than before. What only others gain by is something else that is missing."""
-        then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
+        then = self.undone(remedy)
         own = [axis for axis in remedy.joints if axis in self.axes()]
         before, after = ([pooled(each, axis).misfit for axis in own] for each in (self.expected, then))
         return max(after, default=0.0) <= max(before, default=0.0)
@@ -151,7 +157,7 @@ class _State:
 
     def explained_with(self, remedy: Remedy) -> bool:
         """Whether no axis stays in doubt with it that is now, or that it touches; a factor of an effort hides much."""
-        then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
+        then = _State(self.robot, self.undone(remedy))
         asked = {*self._touched(remedy), *self.doubted()}
         return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in asked)
 

@@ -177,7 +177,8 @@ def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
         yield Fault(f"{what}: the inertia about the centre of mass is not positive semi-definite",
                     "inertia_not_positive", "Check signs and units (kg·m²)", file, value=moments)  # fmt: skip
     elif low + middle < high - margin:
-        possible = " ".join(f'{name}="{_nearest_possible(matrix)[place]:.6g}"' for name, place in PLACES.items())
+        nearest = _nearest_possible(matrix)
+        possible = " ".join(f'{name}="{nearest[place]:.6g}"' for name, place in PLACES.items())
         advice = f"Give more digits, or check that it is about the centre of mass. The nearest of a body: {possible}"
         yield Fault(f"{what}: no body has these moments, the largest exceeds the sum of the others",
                     "inertia_triangle", advice, file, value=moments)  # fmt: skip

@@ -9,8 +9,8 @@ from typing import Any, Literal, final
 import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
-from exogauge.storage.retention import Ages, which_is_due
-from exogauge.storage.tables import AuditEntry, Delivery, Job, Log, Plan, Publication, Study
+from exogauge.storage.retention import Ages, in_use, which_is_due
+from exogauge.storage.tables import AuditEntry, Delivery, Job, Log, Plan, Study
 
 What = Literal["studies", "unused_logs", "job_logs", "deliveries", "audit"]
 NOTHING, EVER = timedelta(0), datetime(9999, 1, 1, tzinfo=UTC)  # an age that all have, and when
@@ -77,9 +77,5 @@ def only_aged(lab: str) -> sa.Select[Any]:
     theirs = Job.lab_id == Study.lab_id, Job.study_id == Study.id
     ended = sa.select(sa.func.max(Job.finished_at)).where(*theirs).correlate(Study).scalar_subquery()
     since = sa.case((ended > Study.created_at, ended), else_=Study.created_at).label("since")
-    keep = (
-        sa.exists().where(*theirs, Job.finished_at.is_(None)),
-        sa.exists().where(Publication.study_id == Study.id, Publication.revoked_at.is_(None)),
-        sa.exists().where(Plan.lab_id == Study.lab_id, Plan.study_id == Study.id),
-    )
+    keep = (*in_use(), sa.exists().where(Plan.lab_id == Study.lab_id, Plan.study_id == Study.id))
     return sa.select(Study.id, Study.name, since).where(Study.lab_id == lab, *(~each for each in keep))

@@ -127,10 +127,15 @@ def rows_of(session: Session, table: Any, which: Which) -> list[tuple[str, str]]
 
 def old_studies(session: Session, lab: str, before: datetime) -> list[tuple[str, str]]:
     """Handed in, and worked with the last time, before then; not those of which something is published."""
-    later = sa.or_(Job.finished_at.is_(None), Job.finished_at > before)
-    busy = sa.exists().where(Job.lab_id == Study.lab_id, Job.study_id == Study.id, later)
-    published = sa.exists().where(Publication.study_id == Study.id, Publication.revoked_at.is_(None))
-    return rows_of(session, Study, sa.and_(Study.lab_id == lab, Study.created_at <= before, ~busy, ~published))
+    later = sa.exists().where(Job.lab_id == Study.lab_id, Job.study_id == Study.id, Job.finished_at > before)
+    kept = (later, *in_use())
+    return rows_of(session, Study, sa.and_(Study.lab_id == lab, Study.created_at <= before, *(~each for each in kept)))
+
+
+def in_use() -> tuple[Any, Any]:
+    """Of a study, whatever its age: a job of it has not ended; something of it is published."""
+    running = sa.exists().where(Job.lab_id == Study.lab_id, Job.study_id == Study.id, Job.finished_at.is_(None))
+    return running, sa.exists().where(Publication.study_id == Study.id, Publication.revoked_at.is_(None))
 
 
 def pieces(due: Any, still: Callable[[], None]) -> Iterator[list[tuple[str, str]]]:

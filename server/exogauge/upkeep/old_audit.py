@@ -24,12 +24,11 @@ from sqlalchemy.orm import Session
 from exogauge.errors import Conflict, Unavailable
 from exogauge.storage.blobs import disk, fsync_folder
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
-from exogauge.storage.orphans import batches
+from exogauge.storage.orphans import AT_ONCE, batches
 from exogauge.storage.rows import record
 from exogauge.storage.tables import AuditEntry
 
 ACTOR = "operator"
-AT_ONCE = 500  # rows read, or deleted, by one statement
 LEAST = timedelta(days=30)  # judgement: a lab's admin looks on the page first for what happened lately
 TABLE: sa.Table = AuditEntry.__table__  # type: ignore[assignment]
 COLUMNS = tuple(column.name for column in TABLE.columns)
@@ -114,7 +113,7 @@ def _remove(session: Session, keys: list[str], told: dict[str, str]) -> None:
     """Those rows, all or none. told: lab -> what its audit says of it."""
     gone = 0
     with unguarded(session.connection()):
-        for some in batches(keys, AT_ONCE):
+        for some in batches(keys):
             done = session.connection().execute(sa.delete(TABLE).where(TABLE.c.id.in_(some)))
             gone += done.rowcount
     if gone != len(keys):

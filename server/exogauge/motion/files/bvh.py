@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from exogauge.criteria.motion_import import USUAL
 from exogauge.motion.files.captured import Captured, fault, lines_of, number, posed
 from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
-RADIANS = 3.2  # judgement: a turn by more is none of a body's joint in radians, and by less hardly a motion in degrees
 
 
 def read_bvh(path: Path) -> Captured:
@@ -73,7 +73,7 @@ def read_bvh(path: Path) -> Captured:
     data = np.array([[number(path, word, row, "motion") for word in words] for row, words in rows])
     turns = np.array([each.endswith("rotation") for named in channels for each in named], dtype=bool)
     most, told = float(np.abs(data[:, turns]).max(initial=0.0)), {}
-    if 0.0 < most < RADIANS:
+    if 0.0 < most < USUAL.least_turn_deg:
         told["angle_doubt"] = f"no angle is larger than {most:.2g}: degrees, as a BVH file has them, or radians?"
     return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None, told=told,
                     skeleton=_posed(names, np.array(parent, np.intp), offset, end, channels, data))  # fmt: skip

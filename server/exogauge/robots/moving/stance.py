@@ -16,7 +16,7 @@ from exogauge.robots.moving.standing import standing
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Three = tuple[Array, Array, Array]
-NEAR = 0.02  # judgement: [m or rad] of the base, within which all samples begin with the legs of one
+NEAR = 0.02  # judgement: [m or rad] of the base: nearer samples begin with the legs of one, which saves steps
 
 
 class OutOfReachError(ValueError):
