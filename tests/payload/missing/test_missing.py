@@ -146,7 +146,7 @@ def test_mu_says_the_cause_that_was_named():
     assert "do not hold" in verdict_of(replace(missing, decision=Decision("effects", "nothing", None)))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_damping_is_not_less_by_what_the_smoother_took_away(found_in):
     """By the fast part of smoothed accelerations it comes out at 55 to 94 % of the truth."""
     off_by, shares = [], []

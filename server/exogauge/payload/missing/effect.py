@@ -32,7 +32,9 @@ class Frame:
         """(T, 6, 2) of a turn of gravity by 1 rad about two axes across it: x and y of a base that stands."""
         turned = np.cross(upright(self.gravity)[:2], self.gravity).T
         tipped = -np.swapaxes(stretch.motion.rotation, 1, 2) @ turned
-        return np.concatenate([self.sign * self.body[0] * tipped, self.sign * pin.skew(self.body[1:4]) @ tipped], axis=1)
+        return np.concatenate(
+            [self.sign * self.body[0] * tipped, self.sign * pin.skew(self.body[1:4]) @ tipped], axis=1
+        )
 
 
 Columns = Callable[[Frame, Stretch, Sequence[float]], Array]
