@@ -18,6 +18,7 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from tests.payload import foreign
 from tests.payload.conftest import GRAVITY, generator
 from tests.payload.told import still
 
@@ -291,19 +292,19 @@ def postures_alone(folder: Path) -> None:
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
 
 
-def test_an_identification_says_at_which_stage_it_is(sample: Path, tmp_path: Path) -> None:
+def test_an_identification_says_at_which_stage_it_is(tmp_path: Path) -> None:
     said: list[tuple[float, str, Stage]] = []
-    identify(sample, tmp_path / "whole", lambda *each: said.append(each), {})
+    foreign.write(tmp_path, 1, seconds=6.0)
+    identify(tmp_path, tmp_path / "whole", lambda *each: said.append(each), {})
     assert list(dict.fromkeys(stage for _, _, stage in said)) == [
         Stage.READING, Stage.POSTURES, Stage.KINEMATICS, Stage.EXCITATION, Stage.MISSING, Stage.CONTACT, Stage.WRITING,
     ]  # fmt: skip
     shares = [share for share, _, _ in said]
     assert shares == sorted(shares)
-    assert "smoothing the motion of fast" in {message for _, message, _ in said}
-    shutil.copytree(sample, tmp_path / "still")
-    postures_alone(tmp_path / "still")
+    assert "smoothing the motion of other" in {message for _, message, _ in said}
+    postures_alone(tmp_path)
     said.clear()
-    identify(tmp_path / "still", tmp_path / "out", lambda *each: said.append(each), {})
+    identify(tmp_path, tmp_path / "out", lambda *each: said.append(each), {})
     assert {stage for _, _, stage in said} == {Stage.READING, Stage.POSTURES, Stage.WRITING}
 
 
