@@ -30,25 +30,28 @@ def knee(angle_deg: float = 60.0, seconds: float = 2.5) -> np.ndarray:
     return np.asarray(angle_deg * np.sin(np.pi * s) ** 2)
 
 
-def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None, thigh: np.ndarray | None = None) -> bytes:
+def bvh(
+    flexion: np.ndarray, upwards: np.ndarray | None = None, thigh: np.ndarray | None = None, size: float = 1.0
+) -> bytes:
     """A person on still feet whose trunk bends ahead by (T,) [deg]; upwards: (T,) [cm] by which all of it is lifted;
-    thigh: (T,) [deg] by which the left one is raised, its shank upright."""
+    thigh: (T,) [deg] by which the left one is raised, its shank upright. size: units of the file per cm."""
     lift = np.zeros_like(flexion) if upwards is None else upwards
     raised = np.zeros_like(flexion) if thigh is None else thigh
     lines = ["HIERARCHY"]
 
     def add(name: str, depth: int) -> None:
         parent, offset = next((parent, offset) for each, parent, offset in BONES if each == name)
+        offset = (0, 0, 0) if parent is None else offset
         pad = "  " * depth
         lines.extend([f"{pad}{'ROOT' if parent is None else 'JOINT'} {name}", f"{pad}{{",
-                      f"{pad}  OFFSET {' '.join(map(str, (0, 0, 0) if parent is None else offset))}"])  # fmt: skip
+                      f"{pad}  OFFSET {' '.join(str(size * x) for x in offset)}"])  # fmt: skip
         channels = "6 Xposition Yposition Zposition " if parent is None else "3 "
         lines.append(f"{pad}  CHANNELS {channels}Zrotation Xrotation Yrotation")
         for child, of, _ in BONES:
             if of == name:
                 add(child, depth + 1)
         if name in ENDS:
-            end = " ".join(map(str, ENDS[name]))
+            end = " ".join(str(size * x) for x in ENDS[name])
             lines.extend([f"{pad}  End Site", f"{pad}  {{", f"{pad}    OFFSET {end}", f"{pad}  }}"])
         lines.append(f"{pad}}}")
 
@@ -56,7 +59,7 @@ def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None, thigh: np.ndarra
     lines += ["MOTION", f"Frames: {len(flexion)}", f"Frame Time: {1.0 / RATE:.12f}"]
     order = written_order()
     for angle, up, ahead in zip(flexion, lift, raised, strict=True):
-        row = [0.0, 95.0 + up, 0.0, *[0.0] * 3 * len(order)]
+        row = [0.0, size * (95.0 + up), 0.0, *[0.0] * 3 * len(order)]
         for bone, turn in (("Spine2", angle), ("LeftUpLeg", -ahead), ("LeftLeg", ahead)):
             row[3 + 3 * order.index(bone) + 1] = turn
         lines.append(" ".join(f"{x:.6f}" for x in row))

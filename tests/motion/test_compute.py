@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
@@ -84,7 +85,7 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(
 ) -> None:
     """The same from the command as from the job, to the byte; links do not count beside what they are made of."""
     robot = arm_folder(tmp_path / "plan" / "robot", "ur10")
-    (tmp_path / "plan" / "plan.yaml").write_text("version: 1\nrobot: x\nexcite: {seconds: 4}\n")
+    (tmp_path / "plan" / "plan.yaml").write_text("version: 1\nrobot: x\nexcite: {seconds: 3}\n")
     out = tmp_path / "out"
     out.mkdir()
     told = list[tuple[float, str]]()
@@ -108,11 +109,17 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(
         compute.retarget(tmp_path / "plan", out, quiet, {})
 
     by_command = tmp_path / "command.csv"
-    assert main(["motion", "excite", "--robot", str(robot), "--seconds", "4", "--json", "--out", str(by_command)]) == 0
+    assert main(["motion", "excite", "--robot", str(robot), "--seconds", "3", "--json", "--out", str(by_command)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert {**said, "written": 0} == {**document["told"], "written": 0}
     assert by_command.with_suffix(".json").read_bytes() == (out / compute.PLAN).read_bytes()
     assert by_command.read_bytes() == (out / compute.MOTION).read_bytes()
+    rows = list(csv.DictReader(by_command.read_text().splitlines()))
+    assert len(rows) == pytest.approx(said["seconds"] * 200.0, abs=2)
+    first, last = ([float(row[f"q.{joint}"]) for joint in ARMS["ur10"][1]] for row in (rows[0], rows[-1]))
+    assert first == pytest.approx(ARMS["ur10"][2], abs=1e-6)
+    assert last == pytest.approx(first, abs=1e-6)
+    assert all(each["std"] <= each["before"] * 1.001 for each in document["parameters"] if each["kind"] == "base")
 
     told_by = {"base": lambda name: name.startswith("base["), "joint": lambda name: name.split("[")[1][:-1] in joints}
     joints = set(ARMS["ur10"][1])

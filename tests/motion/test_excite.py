@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import shutil
 from dataclasses import replace
@@ -13,7 +12,7 @@ import pinocchio as pin
 import pytest
 import yaml
 from scipy.signal import butter, sosfiltfilt
-from tests.motion.robots import ARMS, arm_folder, sample_folder
+from tests.motion.robots import arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
@@ -155,23 +154,6 @@ def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
     x = within(of, 3.0 * random_motion(of, np.random.default_rng(0)))
     assert of.largest(x)[0] <= 1.0 + 1e-9
     assert np.abs(x[:, :-1]).max() > 0.1
-
-
-@pytest.mark.slow
-def test_the_command_plans_for_an_arm_and_says_what_will_be_known(
-    arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "excite.csv"
-    assert main(["motion", "excite", "--robot", str(arm), "--seconds", "3", "--json", "--out", str(out)]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert "decided" in said["base parameters"]
-    rows = list(csv.DictReader(out.read_text().splitlines()))
-    assert len(rows) == pytest.approx(said["seconds"] * 200.0, abs=2)
-    first, last = ([float(row[f"q.{joint}"]) for joint in ARMS["ur10"][1]] for row in (rows[0], rows[-1]))
-    assert first == pytest.approx(ARMS["ur10"][2], abs=1e-6)
-    assert last == pytest.approx(first, abs=1e-6)
-    told = json.loads(out.with_suffix(".json").read_text())["parameters"]
-    assert all(each["std"] <= each["before"] * 1.001 for each in told if each["name"].startswith("base["))
 
 
 @pytest.mark.parametrize("seconds", ["0", "1e9", "nan"])

@@ -17,6 +17,7 @@ import pinocchio as pin
 import pytest
 import yaml
 from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from exogauge.cli import main
 from exogauge.criteria.motion_plan import USUAL
@@ -45,6 +46,9 @@ from exogauge.synthetic.urdf import robot_urdf
 
 JVRC = Path(__file__).parents[3] / "shared/data/model_jvrc1/jvrc_description/urdf/jvrc1.urdf"
 CAPTURES = Path(__file__).parents[3] / "shared" / "data" / "cmu_mocap_bend_twist"
+
+
+SOON = replace(USUAL, approach_s=0.7)  # home is near
 
 
 def bend(robot: MotionRobot, pitch: float, seconds: float) -> Asked:
@@ -84,7 +88,7 @@ class ByMuJoCo:
         time = np.arange(int(spline.duration * rate + 1e-6) + 1) / rate
         tight = 1e-4
         fine = [spline.at(np.clip(time + k * tight, 0.0, spline.duration))[0] for k in (-1, 0, 1)]
-        place = [np.stack([self.qpos(model, robot, row) for row in q]) for q in fine]
+        place = [self.qpos(model, robot, q) for q in fine]
         order = [model.joint(name).dofadr[0] for name in robot.joints]
         self.torque, self.inside = np.empty((len(time) - 2, len(order))), np.empty(len(time) - 2)
         self.feet = np.empty((len(time), 2, 3))
@@ -120,11 +124,10 @@ class ByMuJoCo:
 
     @staticmethod
     def qpos(model: mujoco.MjModel, robot: MotionRobot, q: np.ndarray) -> np.ndarray:
-        out = np.empty(model.nq)
-        turn = pin.Quaternion(pin.rpy.rotate("z", q[3]) @ pin.rpy.rotate("x", q[4]) @ pin.rpy.rotate("y", q[5]))
-        out[:3], out[3:7] = q[:3], [turn.w, turn.x, turn.y, turn.z]
-        for k, name in enumerate(robot.joints):
-            out[model.joint(name).qposadr[0]] = q[6 + k]
+        """(T, nq) of (T, n)."""
+        out = np.empty((len(q), model.nq))
+        out[:, :3], out[:, [4, 5, 6, 3]] = q[:, :3], Rotation.from_euler("ZXY", q[:, 3:6]).as_quat()
+        out[:, [model.joint(name).qposadr[0] for name in robot.joints]] = q[:, 6:]
         return out
 
 
@@ -198,9 +201,9 @@ def bent(robot: MotionRobot):
     return asked, plan(robot, asked)
 
 
-@pytest.mark.parametrize("rate", [200.0, 1000.0])
-def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, rate: float) -> None:
+def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent) -> None:
     asked, planned = bent
+    rate = 1000.0
     seen = ByMuJoCo(robot, planned.spline, rate)
     assert seen.inside.min() >= 0.015
     assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
@@ -584,7 +587,7 @@ def raises_a_knee(seconds: float = 2.0) -> Person:
 
 @pytest.fixture(scope="module")
 def raised(robot: MotionRobot):
-    asked, _ = ask(robot, raises_a_knee())
+    asked, _ = ask(robot, raises_a_knee(), SOON)
     return asked, *plan_within(robot, asked)
 
 
@@ -595,7 +598,7 @@ def test_a_knee_that_is_raised_is_raised_on_the_other_foot_as_mujoco_sees_it(rob
     rate = 1000.0
     time = np.arange(int(planned.spline.duration * rate + 1e-6) + 1) / rate
     stands = planned.standing(time)
-    assert 0.1 < (~stands[:, 0]).mean() < 0.2  # .9 of 6 s
+    assert 0.2 < (~stands[:, 0]).mean() < 0.3  # .9 of 3.4 s
     seen = ByMuJoCo(robot, planned.spline, rate, stands)
     assert seen.inside.min() >= 0.015
     assert np.abs(seen.feet[:, 1] - seen.feet[0, 1]).max() <= 1e-4
@@ -622,13 +625,13 @@ def test_a_table_says_which_foot_is_up_and_is_judged_on_the_one_that_stands(
     said = json.loads(capsys.readouterr().out)
     assert said["broken"] == []
     assert float(said["centre of pressure"].split()[0]) == pytest.approx(1e3 * judged.inside.min(), abs=1.0)
-    assert said["feet that lift"].startswith("l_foot from 2.5")
+    assert said["feet that lift"].startswith("l_foot from 1.2")
     for form, rate in (("csv", "500"), ("mujoco", "1000"), ("hrpsys", "200")):
         out = tmp_path / f"again.{form}"
         assert main(["motion", "export", str(file), *command, "--format", form, "--rate", rate, "--out", str(out)]) == 0
         sheet = json.loads((tmp_path / f"again.{form}.json").read_text())
         ((up, down),) = sheet["feet_up_s"]["l_foot"]
-        assert (up, down) == (pytest.approx(2.5, abs=0.06), pytest.approx(3.5, abs=0.06))
+        assert (up, down) == (pytest.approx(1.2, abs=0.06), pytest.approx(2.2, abs=0.06))
     capsys.readouterr()
     assert "stands.l_foot" in columns_of(tmp_path / "again.csv")
     seen = np.load(tmp_path / "again.npz")
@@ -767,7 +770,7 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
     amc = tmp_path / "02_06.amc"
     with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
         amc.write_bytes(packed.read())
-    asked, missed = ask(other, person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 4.0))
+    asked, missed = ask(other, person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 2.6), SOON)
     assert missed.max() < 1e-3  # three joints express any turn
     planned = plan(other, asked)
     assert judge(other, planned.spline, asked.place[0], planned=planned).broken == ()
@@ -775,11 +778,12 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not CAPTURES.is_dir(), reason="../shared/data/cmu_mocap_bend_twist is not there")
-def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_path: Path) -> None:
+@pytest.mark.parametrize("until", [2.6, pytest.param(16.4, marks=pytest.mark.thorough)])
+def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_path: Path, until: float) -> None:
     amc = tmp_path / "02_06.amc"
     with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
         amc.write_bytes(packed.read())
-    person = person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 16.4)
+    person = person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, until)
     asked, _ = ask(robot, person)
     planned = plan(robot, asked)
     upper = np.array(robot.beyond("thorax") + robot.torso)
@@ -791,14 +795,13 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
         assert np.sqrt(np.mean(off**2)) <= 0.2
         far = np.convolve(~borne, np.ones(13), "same")[borne] == 0  # .1 s from where the joint is at its bound
         assert np.abs(off[far]).max() <= 1.0
-    for rate in (200.0, 1000.0):
-        seen = ByMuJoCo(robot, planned.spline, rate)
-        assert seen.inside.min() >= 0.015
-        assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
-        assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
-        assert judge(robot, planned.spline, asked.place[0], rate=rate, planned=planned).broken == ()
+    seen = ByMuJoCo(robot, planned.spline, 1000.0)
+    assert seen.inside.min() >= 0.015
+    assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
+    assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
+    assert judge(robot, planned.spline, asked.place[0], rate=1000.0, planned=planned).broken == ()
     out = tmp_path / "bend.csv"
-    assert main(["motion", "retarget", str(amc), "--skeleton", str(CAPTURES / "02.asf"), "--to", "3",
+    assert main(["motion", "retarget", str(amc), "--skeleton", str(CAPTURES / "02.asf"), "--to", "0.3",
                  "--robot", str(folder / "robot.yaml"), "--out", str(out)]) == 0  # fmt: skip
     rows = list(csv.reader(out.read_text().splitlines()))
     assert rows[0] == ["t", *(f"q.{name}" for name in robot.joints)]

@@ -50,7 +50,7 @@ from exogauge.api.shapes import Kept, LatestJob, ListOf, Part
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadMotion, Fault
 from exogauge.jobs.recipes import as_fault
-from exogauge.motion.contract import Axis, CaptureFile, ContactsEntry, Unit
+from exogauge.motion.contract import Angle, Axis, CaptureFile, ContactsEntry, Unit
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
 from exogauge.storage.records import MapRecord
@@ -66,7 +66,8 @@ FORM = bundle_schema(
     "the capture (C3D, TRC, MOT, STO, BVH, or AMC with its ASF), a static trial; or motion.yaml with what it names",
     also={
         "up": {**TEXT, "description": "x, y, z, -x, -y, -z, where the file is silent or wrong"},
-        "unit": {**TEXT, "description": "m, cm, mm, in, where the file is silent or wrong"},
+        "unit": {**TEXT, "description": "m, cm, mm, in, cmu, where the file is silent or wrong"},
+        "angle": {**TEXT, "description": "deg, rad, of turns, where the file is silent or wrong"},
         "subject": {**TEXT, "description": "prefix of one of several people"},
         "static": {**TEXT, "description": "which of the files is the static trial"},
         "map": {**TEXT, "description": "name of a map that is kept: what own labels are called elsewhere"},
@@ -122,6 +123,7 @@ class Restated(Part):
     name: str | None = Field(default=None, min_length=1, max_length=200)
     up: Axis | None = None
     unit: Unit | None = None
+    angle: Angle | None = None
     subject: str | None = Field(default=None, max_length=200)
     map: str | None = Field(default=None, max_length=200, pattern=NO_NUL)
     names: dict[str, str] | None = Field(default=None, max_length=1000)
@@ -367,7 +369,8 @@ def described_by(folder: Path, upload: BundleUpload, storage: Storage) -> Captur
         )
         detail = f"{len(captures)} captures and {len(bones)} skeletons are there"
         raise BadMotion(Fault(detail, "which_capture", advice, None, None, "files", found))
-    said: dict[str, Any] = {key: upload.said[key] for key in ("up", "unit", "subject", "static") if key in upload.said}
+    stated = ("up", "unit", "angle", "subject", "static")
+    said: dict[str, Any] = {key: upload.said[key] for key in stated if key in upload.said}
     if "map" in upload.said:
         with storage.reading() as store:
             said["names"] = dict(store.maps.get(upload.said["map"]).content)

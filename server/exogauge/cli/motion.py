@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from exogauge.cli.endings import Commands
 from exogauge.cli.motion_service import add_server, list_plans, send_capture, send_excite, send_retarget
@@ -111,7 +111,13 @@ def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
     step.add_argument("file", type=Path, help=formats)
     step.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
     step.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
-    step.add_argument("--unit", metavar="UNIT", help="m, cm, mm or in, where the file is silent or wrong")
+    step.add_argument("--unit", metavar="UNIT", help="m, cm, mm, in or cmu, where the file is silent or wrong")
+    step.add_argument("--angle", metavar="UNIT", help="deg or rad, where the file is silent or wrong")
+
+
+def _stated(args: argparse.Namespace) -> dict[str, Any]:
+    """What is said in place of the file."""
+    return {"up": args.up, "unit": args.unit, "angle": args.angle}
 
 
 def fit_motion(args: argparse.Namespace) -> int:
@@ -120,8 +126,8 @@ def fit_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.fit.fit import fit_human
     from exogauge.motion.fit.told import angle_table, summarise
 
-    motion = open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit)
-    static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
+    motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args))
+    static = None if args.static is None else open_motion(args.static, **_stated(args))
     fit = fit_human(motion, static)
     if args.out is not None:
         args.out.write_bytes(angle_table(fit))
@@ -219,8 +225,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     if args.server:
         return send_retarget(args, wanted.model_dump(exclude_unset=True))
     robot = load_motion_robot(args.robot)
-    motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
-    static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
+    motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, **_stated(args)))
+    static = None if args.static is None else open_motion(args.static, **_stated(args))
     found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, nodes, holds: print(
         f"{what} {value:.2f}, {nodes} nodes: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
     said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
@@ -302,7 +308,7 @@ def import_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.gaps import fill_gaps
     from exogauge.motion.summary import summarise, write_arrays
 
-    motion = open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit, subject=args.subject)
+    motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args), subject=args.subject)
     if args.fill:
         motion = fill_gaps(motion)
     motion = with_contacts(motion)

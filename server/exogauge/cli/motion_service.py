@@ -57,7 +57,7 @@ def list_plans(args: argparse.Namespace) -> int:
 
 
 def uploaded(client: Client, args: argparse.Namespace) -> Motion:
-    said = {"up": args.up, "unit": args.unit, "subject": getattr(args, "subject", None)}
+    said = {"up": args.up, "unit": args.unit, "angle": args.angle, "subject": getattr(args, "subject", None)}
     return client.upload_motion(args.file, args.skeleton, getattr(args, "static", None), **said)
 
 

@@ -20,7 +20,8 @@ class MotionImport:
     passes 1 m/s, one that stands sways by some cm/s. smooth_s: over which speed is taken. shortest_step_s: shorter
     stands and steps are flicker; a fast step takes .3 s. level: cosine of how far from level the hips, or from upright
     the trunk, may be in a skeleton's rest pose; another axis up leaves 0. Legs that reach down by less than that share
-    of their length are folded up."""
+    of their length are folded up. farthest_m: from the origin; what lies beyond was not seen, as some programs write
+    9999999 there; no capture volume is as large."""
 
     shortest_m: float = 0.9
     tallest_m: float = 2.3
@@ -28,6 +29,7 @@ class MotionImport:
     upright: float = 0.8
     level: float = 0.5
     uneven: float = 0.1
+    farthest_m: float = 1000.0
     most_bytes: int = 2_000_000_000
     most_points: int = 20_000_000
     spline_s: float = 0.1

@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from exogauge.criteria.motion_plan import USUAL
 
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
-Unit = Literal["m", "cm", "mm", "in"]
+Unit = Literal["m", "cm", "mm", "in", "cmu"]
+Angle = Literal["deg", "rad"]
 Span = Annotated[list[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]], Field(min_length=2, max_length=2)]
 Spans = Annotated[list[Span], Field(max_length=10_000)]
 
@@ -22,8 +23,8 @@ class _Part(BaseModel):
 @final
 class CaptureFile(_Part):
     """motion.yaml. file: C3D, TRC, MOT, STO, BVH or AMC; skeleton: ASF of an AMC; static: the same person and markers,
-    standing straight. up, unit: where the file is silent or wrong. subject: prefix of one of several people.
-    names: own label or bone -> the name it is known by."""
+    standing straight. up, unit, angle (of turns): where the file is silent or wrong. subject: prefix of one of several
+    people. names: own label or bone -> the name it is known by."""
 
     version: Literal[1] = 1
     name: str = Field(default="", max_length=200)
@@ -32,6 +33,7 @@ class CaptureFile(_Part):
     static: str | None = Field(default=None, max_length=400)
     up: Axis | None = None
     unit: Unit | None = None
+    angle: Angle | None = None
     subject: str | None = Field(default=None, max_length=200)
     names: dict[str, str] = Field(default_factory=dict, max_length=1000)
 

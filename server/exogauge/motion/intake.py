@@ -44,8 +44,8 @@ def open_capture(folder: Path) -> Capture:
             raise BadMotion(Fault("there is no such file", "no_file", advice, CAPTURE, None, key, name))
 
     def read(name: str, skeleton: Path | None = None) -> HumanMotion:
-        return open_motion(folder / name, skeleton=skeleton, up=file.up, unit=file.unit, subject=file.subject,
-                           names=file.names)  # fmt: skip
+        return open_motion(folder / name, skeleton=skeleton, up=file.up, unit=file.unit, angle=file.angle,
+                           subject=file.subject, names=file.names)  # fmt: skip
 
     motion = read(file.file, None if file.skeleton is None else folder / file.skeleton)
     static = None if file.static is None else read(file.static)

@@ -126,7 +126,9 @@ def _pose(robot: MotionRobot, q: Array) -> Array:
 def _nearest(robot: MotionRobot, q: Array) -> tuple[Array, Array]:
     """(T, 2, 3), (T,) [m]"""
     points, apart = np.full((len(q), 2, 3), np.nan), np.full(len(q), USUAL.look_m)
-    near = Pairs(robot, USUAL.clearance_m).near(q, USUAL.look_m)
+    pairs = Pairs(robot, USUAL.clearance_m)
+    near = pairs.near(q, USUAL.look_m)
+    where = pairs.where(q, near)
     for k in np.argsort(-near.distance):
-        points[near.sample[k]], apart[near.sample[k]] = (near.first[k], near.second[k]), near.distance[k]
+        points[near.sample[k]], apart[near.sample[k]] = where[k, :2], near.distance[k]
     return points, apart

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 
 from exogauge.robots.moving.segments import Segment
 
@@ -35,6 +36,17 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_shank": "{s}_SHANK_ANTSUP {s}_SH2 {s}_SH3 {s}_SH4 {s}_ANKLE {s}_MANKLE",
         "{s}_foot": "{s}_CALC {s}_TOE {s}_5META",
     },
+    "OptiTrack and Qualisys": {
+        "pelvis": "WAIST{s}FRONT WAIST{s}BACK",
+        "thorax": "BACK{side} BACK{s} {s}SHOULDERTOP {s}SHOULDERBACK",
+        "head": "HEAD{s}",
+        "{s}_upper_arm": "{s}UARMHIGH {s}ARM {s}ELBOWOUT {s}ELBOWIN",
+        "{s}_forearm": "{s}WRISTOUT {s}WRISTIN",
+        "{s}_hand": "{s}HANDOUT {s}HANDIN",
+        "{s}_thigh": "{s}THIGH {s}KNEEOUT {s}KNEEIN",
+        "{s}_shank": "{s}SHIN {s}ANKLEOUT {s}ANKLEIN",
+        "{s}_foot": "{s}HEEL {s}HEELBACK {s}TOEIN {s}TOEOUT {s}TOETIP {s}FOREFOOTIN {s}FOREFOOTOUT",
+    },
     "Cleveland Clinic clusters": {
         "pelvis": "{s}PV1 {s}PV2 {s}PV3",
         "{s}_upper_arm": "{s}AR1 {s}AR2 {s}AR3",
@@ -45,19 +57,26 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "thorax": "{s}TA1 {s}TA2 {s}TA3",
     },
     "Acclaim (CMU)": _limbs("{s}", "HUMERUS RADIUS HAND FEMUR TIBIA FOOT"),
-    "iClone": _limbs("CC_BASE_{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
-    "Mixamo": _limbs("{side}", "ARM FOREARM HAND UPLEG LEG FOOT"),
-    "3ds Max Biped": _limbs("BIP01_{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
+    "iClone": _limbs("{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
+    "MotionBuilder and Mixamo": _limbs("{side}", "ARM FOREARM HAND UPLEG LEG FOOT"),
+    "3ds Max Biped": _limbs("{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
     "Xsens MVN": _limbs("{side}", "SHOULDER ELBOW WRIST HIP KNEE ANKLE"),
+    "Motive": _limbs("{s}", "UARM FARM HAND THIGH SHIN FOOT"),
+    "Rokoko": _limbs("{side}", "ARM FOREARM HAND THIGH SHIN FOOT"),
+    "Daz and Poser": _limbs("{s}", "SHLDR FOREARM HAND THIGH SHIN FOOT"),
 }  # fmt: skip
-_MIDDLE: dict[str, dict[str, str]] = {
+_MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arms say which it is
     "Plug-in Gait, CMU and Vicon": {"pelvis": "SACR", "thorax": "C7 T10 CLAV STRN RBAK", "head": "ARIEL"},
     "OpenCap and OpenSim": {"thorax": "C7"},
+    "OptiTrack and Qualisys": {"thorax": "BACKTOP SPINETOP CHEST", "head": "HEADTOP HEADFRONT HEADSIDE"},
     "Acclaim (CMU)": {"pelvis": "ROOT", "thorax": "THORAX", "head": "HEAD"},
-    "iClone": {"pelvis": "CC_BASE_HIP", "thorax": "CC_BASE_SPINE02", "head": "CC_BASE_HEAD"},
-    "Mixamo": {"pelvis": "HIPS", "thorax": "SPINE2", "head": "HEAD"},
-    "3ds Max Biped": {"pelvis": "BIP01_PELVIS", "thorax": "BIP01_SPINE2", "head": "BIP01_HEAD"},
+    "iClone": {"pelvis": "HIP", "thorax": "SPINE02", "head": "HEAD"},
+    "MotionBuilder and Mixamo": {"pelvis": "HIPS", "thorax": "SPINE2", "head": "HEAD"},
+    "3ds Max Biped": {"pelvis": "PELVIS", "thorax": "SPINE2", "head": "HEAD"},
     "Xsens MVN": {"pelvis": "HIPS", "thorax": "CHEST4", "head": "HEAD"},
+    "Motive": {"pelvis": "HIP", "thorax": "CHEST", "head": "HEAD"},
+    "Rokoko": {"pelvis": "HIPS", "thorax": "SPINE4", "head": "HEAD"},
+    "Daz and Poser": {"pelvis": "HIP", "thorax": "CHEST", "head": "HEAD"},
 }
 
 
@@ -76,10 +95,50 @@ PRESETS: Mapping[str, Mapping[str, Segment]] = {name: _preset(name) for name in 
 def recognise(labels: Iterable[str]) -> tuple[str | None, dict[str, Segment]]:
     """The preset that knows most of the labels, letters' case aside, a space as an underscore, and the parts of those
     that it knows."""
-    alike = {label: label.upper().replace(" ", "_") for label in labels}
+    alike = {label: _alike(label) for label in labels}
     known = {
         name: {label: preset[other] for label, other in alike.items() if other in preset}
         for name, preset in PRESETS.items()
     }
     best = max(known, key=lambda name: len(known[name]))
     return (best, known[best]) if known[best] else (None, {})
+
+
+def subjects(labels: Iterable[str]) -> dict[str, int]:
+    """What stands before the names of one preset, up to a colon, a space or an underscore, and before how many of them:
+    one person each, "" where nothing does. Less than half as many names as the best has are nobody's."""
+    found: Counter[tuple[str, str]] = Counter()
+    for label in dict.fromkeys(labels):
+        begins = [0, *(k + 1 for k, letter in enumerate(label) if letter in ":_ ")]
+        found.update(
+            (name, label[:k]) for k in begins for name, preset in PRESETS.items() if _alike(label[k:]) in preset
+        )
+    if not found:
+        return {}
+    best, most = found.most_common(1)[0]
+    return {of: count for (name, of), count in found.items() if name == best[0] and 2 * count >= most}
+
+
+def carried_by(names: Sequence[str], parent: Sequence[int], segment: Mapping[str, Segment]) -> dict[str, Segment]:
+    """The same with the bone as thorax on which both arms hang, however many vertebrae a program has; where they hang
+    on the neck, what carries that."""
+    arms = [next((k for k, name in enumerate(names) if segment.get(name) == f"{s}_upper_arm"), -1) for s in "lr"]
+    if min(arms) < 0:
+        return dict(segment)
+    ways = [_way(parent, arm) for arm in arms]
+    both = [k for k in ways[0] if k in ways[1] and "NECK" not in names[k].upper()]
+    if not both or segment.get(names[both[0]]) not in (None, "thorax"):
+        return dict(segment)
+    return {name: part for name, part in segment.items() if part != "thorax"} | {names[both[0]]: "thorax"}
+
+
+def _way(parent: Sequence[int], bone: int) -> list[int]:
+    """To the root."""
+    way = [bone]
+    while parent[way[-1]] >= 0:
+        way.append(parent[way[-1]])
+    return way
+
+
+def _alike(label: str) -> str:
+    return label.upper().replace(" ", "_")

@@ -53,7 +53,7 @@ export function useMotion(id: string) {
   });
 }
 
-/** said: up, unit, static, map, where the file is silent or wrong. */
+/** said: up, unit, angle, static, map, where the file is silent or wrong. */
 export function useAddMotion() {
   const cache = useQueryClient();
   return useMutation({

@@ -15,8 +15,8 @@ from exogauge.motion.human import JointTree
 Array = NDArray[np.float64]
 
 
-def read_bvh(path: Path) -> Captured:
-    """Raises BadMotion. A BVH file says no unit of length."""
+def read_bvh(path: Path, angle: str | None = None) -> Captured:
+    """Raises BadMotion. A BVH file says no unit of length; angles are in degrees, unless rad is said."""
     lines = lines_of(path)
     names: list[str] = []
     parent, offset, end, channels = [], [], [], []  # type: list[int], list[Array], list[Array], list[list[str]]
@@ -32,7 +32,7 @@ def read_bvh(path: Path) -> Captured:
             end.append(np.full(3, np.nan))
             channels.append([])
             open_.append(len(names) - 1)
-        elif words[:2] == ["End", "Site"]:
+        elif words[0].lower() == "end":
             at_end = True
         elif words[0] == "OFFSET" and open_:
             value = np.array([number(path, word, row, "OFFSET") for word in words[1:4]])
@@ -72,9 +72,14 @@ def read_bvh(path: Path) -> Captured:
             raise fault(path, f"{len(words)} numbers for {wide} channels", "row_length", "Export it again", row=row)
     data = np.array([[number(path, word, row, "motion") for word in words] for row, words in rows])
     turns = np.array([each.endswith("rotation") for named in channels for each in named], dtype=bool)
-    most, told = float(np.abs(data[:, turns]).max(initial=0.0)), {}
-    if 0.0 < most < USUAL.least_turn_deg:
-        told["angle_doubt"] = f"no angle is larger than {most:.2g}: degrees, as a BVH file has them, or radians?"
+    most = float(np.abs(data[:, turns]).max(initial=0.0))
+    if angle is None and 0.0 < most < USUAL.least_turn_deg:
+        detail = f"no angle is larger than {most:.2g}: these are radians, or nearly nothing moves"
+        raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
+                    value=f"{most:.3g}")  # fmt: skip
+    if angle == "rad":
+        data[:, turns] = np.degrees(data[:, turns])
+    told = {} if angle is None else {"angles": f"stated: {angle}"}
     return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None, told=told,
                     skeleton=_posed(names, np.array(parent, np.intp), offset, end, channels, data))  # fmt: skip
 

@@ -10,12 +10,27 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.motion_import import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
 
-METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "meters": 1.0, "millimeters": 1e-3}  # per unit
+METRES = {
+    "m": 1.0,
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "in": 0.0254,
+    "cmu": 0.0254 / 0.45,
+}  # per unit; CMU's is that of its ASF files
+METRES |= {
+    "meters": 1.0,
+    "metres": 1.0,
+    "millimeters": 1e-3,
+    "millimetres": 1e-3,
+    "centimeters": 1e-2,
+    "centimetres": 1e-2,
+}
 AXES = {
     sign + name: s * np.eye(3)[k] for k, name in enumerate("xyz") for sign, s in (("", 1.0), ("+", 1.0), ("-", -1.0))
 }
@@ -46,7 +61,7 @@ def lines_of(path: Path) -> list[str]:
         raise fault(path, "the file is empty", "empty_file", "Export the motion again")
     if b"\0" in data[:4096]:
         raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
-    return data.decode("utf-8", errors="replace").splitlines()
+    return data.decode("utf-8-sig", errors="replace").splitlines()
 
 
 def fault(
@@ -63,9 +78,21 @@ def number(path: Path, text: str, row: int, column: str) -> float:
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise fault(path, "this is no number", "not_a_number", "Export the file again", row=row, column=column,
-                    value=text)  # fmt: skip
+        advice = "Export it with decimal points" if "," in text else "Export the file again"
+        raise fault(path, "this is no number", "not_a_number", advice, row=row, column=column, value=text)
     return value
+
+
+def even_time(path: Path, time: Array) -> Array:
+    """From 0, on an even clock."""
+    if len(time) < 2:
+        raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
+    even = np.linspace(0.0, time[-1] - time[0], len(time))
+    stray = np.abs(time - time[0] - even)
+    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
+        raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
+                    row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
+    return even
 
 
 def posed(

@@ -11,24 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import AXES, METRES, Captured, fault
+from exogauge.motion.files.captured import AXES, METRES, Captured, even_time, fault
 from exogauge.motion.human import HumanMotion, Markers
-from exogauge.motion.presets import recognise
+from exogauge.motion.presets import carried_by, recognise, subjects
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
-UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in")}
+UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in", "cmu")}
 
 
 def open_motion(
     path: Path, *, skeleton: Path | None = None, up: str | None = None, unit: str | None = None,
-    subject: str | None = None, names: Mapping[str, str] | None = None,
+    angle: str | None = None, subject: str | None = None, names: Mapping[str, str] | None = None,
 ) -> HumanMotion:  # fmt: skip
     """C3D, TRC, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises BadMotion.
 
-    up: x, y, z or -x, -y, -z, unit: m, cm, mm or in, where the file is silent or wrong. subject: the prefix of one of
-    several people. names: own label or bone -> the name it is known by. `told`: format, unit, up, prefix, preset,
-    unknown, duplicates, unit_doubt, renamed, as far as there is one.
+    up: x, y, z or -x, -y, -z, unit: m, cm, mm, in or cmu, angle: deg or rad, where the file is silent or wrong.
+    subject: the prefix of one of several people. names: own label or bone -> the name it is known by. `told`: format,
+    unit, up, prefix, preset, unknown, left_out, far_away, duplicates, unit_doubt, renamed, as far as there is one.
     """
     if not path.is_file():
         raise fault(path, "there is no such file", "no_file", "Look at its name")
@@ -37,7 +37,7 @@ def open_motion(
     with path.open("rb") as stream:
         head = stream.read(512)
     try:
-        captured = _read(path, head, skeleton)
+        captured = _read(path, head, skeleton, angle)
     except (ValueError, IndexError, KeyError, OverflowError) as problem:  # what no rule of a reader foresaw
         detail = f"the file is damaged: {problem}"
         raise fault(path, detail, "damaged", "Export it again, from the program that captured it") from problem
@@ -46,8 +46,10 @@ def open_motion(
     return _canonical(path, _renamed(path, _one_person(path, captured, subject), names or {}), up, unit)
 
 
-def _read(path: Path, head: bytes, skeleton: Path | None) -> Captured | HumanMotion:
+def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> Captured | HumanMotion:
     kind = path.suffix.lower()
+    if angle not in (None, "deg", "rad"):
+        raise fault(path, "no such unit of angles", "bad_angle", "deg or rad", column="angle", value=angle)
     if kind == ".c3d":
         from exogauge.motion.files.c3d import read_c3d
 
@@ -59,11 +61,11 @@ def _read(path: Path, head: bytes, skeleton: Path | None) -> Captured | HumanMot
     if kind in (".mot", ".sto"):
         from exogauge.motion.files.storage import read_storage
 
-        return read_storage(path)
+        return read_storage(path, angle)
     if kind == ".bvh" or head.lstrip().startswith(b"HIERARCHY"):
         from exogauge.motion.files.bvh import read_bvh
 
-        return read_bvh(path)
+        return read_bvh(path, angle)
     if kind == ".amc":
         from exogauge.motion.files.acclaim import read_amc
 
@@ -74,18 +76,28 @@ def _read(path: Path, head: bytes, skeleton: Path | None) -> Captured | HumanMot
 
 def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured:
     """Prefixes of subjects off; what is named twice and cannot be told apart is numbered, and told."""
-    told, labels, position = dict(captured.told), captured.labels, captured.position
+    told, body, position = dict(captured.told), captured.skeleton, captured.position
+    labels = captured.labels if body is None else body.names
+    colons = {label.rsplit(":", 1)[0] + ":" for label in labels if ":" in label}
+    people = subjects(labels) or dict.fromkeys(colons if body is None or len(colons) == 1 else (), 0)
+    chosen = [of for of in {*people, *colons} if subject is not None and subject in (of, of[:-1])]
+    if len(people) > 1 and not chosen:
+        raise fault(path, f"{len(people)} people are in the file", "two_people",
+                    f"Say which one: {', '.join(sorted(of[:-1] for of in people))}", column="subject",
+                    value=subject)  # fmt: skip
+    of = next(iter(chosen or people), "")
+    if of:
+        told["prefix"] = of[:-1]
     if position is None:
-        return _without_prefix(captured)
-    prefixes = Counter(label.rsplit(":", 1)[0] for label in labels if ":" in label)
-    if len(prefixes) > 1 and subject not in prefixes:
-        raise fault(path, f"{len(prefixes)} people are in the file", "two_people",
-                    f"Say which one: {', '.join(sorted(prefixes))}", column="subject", value=subject)  # fmt: skip
-    if prefixes:
-        of = subject or next(iter(prefixes))
-        kept = [k for k, label in enumerate(labels) if label.startswith(of + ":") or ":" not in label]
-        labels, position = tuple(labels[k].removeprefix(of + ":") for k in kept), position[:, kept]
-        told["prefix"] = of
+        assert body is not None
+        names = tuple(name.removeprefix(of) for name in body.names)
+        return replace(captured, skeleton=replace(body, names=names), told=told)
+    others = tuple((set(people) | colons) - {of, ""})
+    kept = [k for k, label in enumerate(labels) if label.startswith(of or ":") or not label.startswith(others)]
+    if len(kept) < len(labels):
+        beside = [label for k, label in enumerate(labels) if k not in kept]
+        told["left_out"] = ", ".join(filter(None, (told.get("left_out"), *beside)))
+    labels, position = tuple(labels[k].removeprefix(of) for k in kept), position[:, kept]
     seen: Counter[str] = Counter()
     twice = sorted(label for label, times in Counter(labels).items() if times > 1)
     if twice:
@@ -95,16 +107,6 @@ def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured
         seen[label] += 1
         single.append(label if seen[label] == 1 and label not in twice else f"{label} #{seen[label]}")
     return replace(captured, labels=tuple(single), position=position, told=told)
-
-
-def _without_prefix(captured: Captured) -> Captured:
-    """A skeleton whose bones all have one, as `mixamorig:Hips`."""
-    body = captured.skeleton
-    prefixes = set() if body is None else {name.rpartition(":")[0] for name in body.names}
-    if body is None or len(prefixes) != 1 or (of := prefixes.pop()) == "":
-        return captured
-    names = tuple(name.removeprefix(of + ":") for name in body.names)
-    return replace(captured, skeleton=replace(body, names=names), told=dict(captured.told) | {"prefix": of})
 
 
 def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captured:
@@ -128,10 +130,12 @@ def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captur
 
 
 def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None) -> HumanMotion:
-    time = _even(path, captured.time)
+    time = even_time(path, captured.time)
     body = captured.skeleton
     names = captured.labels if body is None else body.names
     preset, segment = recognise(names)
+    if body is not None:
+        segment = carried_by(names, body.parent.tolist(), segment)
     points = captured.position if body is None else body.position
     assert points is not None
     if points[..., 0].size > USUAL.most_points:
@@ -153,29 +157,21 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
     if tall is not None and not USUAL.shortest_m <= height * metres <= USUAL.tallest_m:
         told["unit_doubt"] = f"feet to head would be {height * metres:.3g} m"
         if not USUAL.shortest_m / USUAL.no_body <= height * metres <= USUAL.tallest_m * USUAL.no_body:
-            raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm or in", column="unit",
+            raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm, in or cmu", column="unit",
                         value=told["unit"])  # fmt: skip
     turn = _upright(axis)
     if body is None:
         place = points @ turn.T * metres
+        away = np.abs(place).max(axis=2) > USUAL.farthest_m
+        if away.any():
+            place[away] = np.nan
+            told["far_away"] = ", ".join(label for label, ever in zip(names, away.any(axis=0), strict=True) if ever)
         markers = Markers(captured.labels, place, np.zeros(place.shape[:2], dtype=bool), segment)
         return HumanMotion(path.stem, time, markers=markers, told=told)
     places = {name: getattr(body, name) @ turn.T * metres for name in ("position", "end", "rest_position", "rest_end")}
     turns = {name: turn @ getattr(body, name) for name in ("rotation", "rest_rotation")}
     tree = replace(body, **places, **turns, segment=segment)
     return HumanMotion(path.stem, time, tree=tree, told=told)
-
-
-def _even(path: Path, time: Array) -> Array:
-    """From 0, on an even clock."""
-    if len(time) < 2:
-        raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
-    even = np.linspace(0.0, time[-1] - time[0], len(time))
-    stray = np.abs(time - time[0] - even)
-    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
-        raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
-                    row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
-    return even
 
 
 def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segment]) -> Array | None:
@@ -216,13 +212,13 @@ def _up(
 def _metres(path: Path, captured: Captured, stated: str | None, height: float) -> tuple[float, str]:
     if stated is not None:
         if stated not in UNITS:
-            raise fault(path, "no such unit", "bad_unit", "m, cm, mm or in", column="unit", value=stated)
+            raise fault(path, "no such unit", "bad_unit", "m, cm, mm, in or cmu", column="unit", value=stated)
         return UNITS[stated], f"stated: {stated}"
     if captured.unit is not None:
         return captured.unit, f"read: {captured.unit:g} m"
     fit = [name for name, metres in UNITS.items() if USUAL.shortest_m <= height * metres <= USUAL.tallest_m]
     if len(fit) != 1:
-        raise fault(path, "the unit of length is neither said nor seen", "no_unit", "Say it: m, cm, mm or in",
+        raise fault(path, "the unit of length is neither said nor seen", "no_unit", "Say it: m, cm, mm, in or cmu",
                     column="unit", value=f"feet to head {height:.4g}")  # fmt: skip
     return UNITS[fit[0]], f"guessed: {fit[0]}, as feet to head are {height * UNITS[fit[0]]:.2f} m then"
 

@@ -32,8 +32,8 @@ def read_trc(path: Path) -> Captured:
     for t, (row, line) in enumerate(rows):
         fields = line.split("\t")
         if len(fields) < 2 + wide or any(text.strip() for text in fields[2 + wide :]):
-            raise fault(path, f"{len(fields) - 2} numbers for {wide} coordinates", "row_length",
-                        "Every row holds frame, time and x, y, z of every marker", row=row)  # fmt: skip
+            raise fault(path, f"{max(len(fields) - 2, 0)} numbers for {wide} coordinates", "row_length",
+                        "Every row holds frame, time and x, y, z of every marker, between tabs", row=row)  # fmt: skip
         time[t] = number(path, fields[1], row, "Time")
         try:
             position[t] = [float(text) if text.strip() else np.nan for text in fields[2 : 2 + wide]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -23,15 +22,12 @@ FLOOR = "floor"
 @final
 @dataclass(frozen=True)
 class Near:
-    """B moments at which a pair is near: sample (B,) and pair (B,) indices; distance (B,) [m], negative inside each
-    other; normal (B, 3) from the first of the pair to the second; first, second: (B, 3) [m] where they are nearest."""
+    """B moments at which a pair is near: sample (B,), none before another, and pair (B,) indices; distance (B,) [m],
+    negative inside each other."""
 
     sample: IntArray
     pair: IntArray
     distance: Array
-    normal: Array
-    first: Array
-    second: Array
 
 
 @final
@@ -99,8 +95,14 @@ class Pairs:
         self.found = pin.GeometryData(self.geometry)
         for request in self.found.distanceRequests:
             request.enable_signed_distance = True
+        model, joints = self.model, [shape.parentJoint for shape in self.geometry.geometryObjects]
         pairs = [(pair.first, pair.second) for pair in self.geometry.collisionPairs]
-        self.levers = np.stack([self._lever(i, j) for i, j in pairs]) if pairs else np.zeros((0, self.model.nq))
+        self.levers = np.stack([self._lever(i, j) for i, j in pairs]) if pairs else np.zeros((0, model.nq))
+        self._apart, self._where = np.full(len(pairs), -np.inf), np.zeros(self.levers.shape)  # when last looked at
+        self._joints = np.array([(joints[i], joints[j]) for i, j in pairs], dtype=np.intp).reshape(-1, 2)
+        self._moves = np.zeros((model.njoints, model.nq))
+        for k in range(1, model.njoints):
+            self._moves[k, [model.joints[each].idx_q for each in list(model.supports[k])[1:]]] = 1.0
 
     def _lever(self, i: int, j: int) -> Array:
         """(n,) [m/rad or m/m] by which a joint changes the pair's distance at most."""
@@ -124,50 +126,60 @@ class Pairs:
 
     def near(self, q: Array, within: float) -> Near:
         """Pairs nearer than `within` [m] in postures q (T, n), all of them: a pair is looked at again no later than
-        the levers of its joints let it come so near."""
-        rows = list(self._walk(q, within))
-        column = [np.array(each) for each in zip(*rows, strict=True)] if rows else [np.zeros(0)] * 3
-        where = (np.array([row[k] for row in rows]).reshape(-1, 3) for k in (3, 4, 5))
-        return Near(column[0].astype(np.intp), column[1].astype(np.intp), column[2].astype(np.float64), *where)
-
-    def _walk(self, q: Array, within: float) -> Iterator[tuple[int, int, float, Array, Array, Array]]:
+        the levers of its joints let it come so near, since the sample before or the call before."""
         P, block = len(self.levers), 2000  # samples whose ways are held at once
-        results = self.found.distanceResults
+        samples, found, distances = list[int](), list[int](), list[float]()
         for start in range(0, len(q) if P else 0, block):
             part = q[start : start + block]
             steps = np.abs(np.diff(part, axis=0, prepend=part[:1]))
             way = np.cumsum(self.levers @ steps.T, axis=1)  # (P, B) [m]
+            spare = self._apart - within - np.sum(self.levers * np.abs(part[0] - self._where), axis=1)
             due = [list[int]() for _ in range(len(part) + 1)]
-            due[0] = list(range(P))
+            due[0] = np.flatnonzero(spare <= 0.0).tolist()
+            for p in np.flatnonzero((spare > 0.0) & (way[:, -1] > spare)).tolist():
+                due[int(way[p].searchsorted(spare[p], side="right"))].append(p)
+            last = np.full(P, -1)
             for t, pairs in enumerate(due[:-1]):
                 if not pairs:
                     continue
                 pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.found, part[t])
                 for p in pairs:
-                    distance = pin.computeDistance(self.geometry, self.found, p).min_distance
+                    distance = self._apart[p] = pin.computeDistance(self.geometry, self.found, p).min_distance
+                    last[p] = t
                     if distance < within:
                         due[t + 1].append(p)
-                        found = results[p]
-                        yield (start + t, p, distance, found.normal.copy(), found.getNearestPoint1().copy(),
-                               found.getNearestPoint2().copy())  # fmt: skip
+                        samples.append(start + t)
+                        found.append(p)
+                        distances.append(distance)
                     else:
                         far = int(way[p].searchsorted(way[p, t] + distance - within, side="right"))
                         due[max(far, t + 1)].append(p)
+            self._where[last >= 0] = part[last[last >= 0]]
+        return Near(np.array(samples, np.intp), np.array(found, np.intp), np.array(distances, np.float64))
+
+    def where(self, q: Array, near: Near) -> Array:
+        """(B, 3, 3) [m] points of the first of each pair and of the second where they are nearest, and the normal from
+        the first to the second."""
+        out = np.empty((len(near.sample), 3, 3))
+        results, now = self.found.distanceResults, -1
+        for row, t, p in zip(out, near.sample.tolist(), near.pair.tolist(), strict=True):
+            if t != now:
+                now = t
+                pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.found, q[t])
+            pin.computeDistance(self.geometry, self.found, p)
+            found = results[p]
+            row[0], row[1], row[2] = found.getNearestPoint1(), found.getNearestPoint2(), found.normal
+        return out
 
     def slopes(self, q: Array, near: Near) -> Array:
         """(B, n) of the distances by the coordinates."""
-        model, joints = self.model, [shape.parentJoint for shape in self.geometry.geometryObjects]
-        moves = np.zeros((model.njoints, model.nq))
-        for k in range(1, model.njoints):
-            moves[k, [model.joints[each].idx_q for each in list(model.supports[k])[1:]]] = 1.0
-        pairs = np.array([(joints[pair.first], joints[pair.second]) for pair in self.geometry.collisionPairs])
-        out = np.zeros((len(near.sample), model.nq))
-        pushes = [np.concatenate([near.normal, np.cross(point, near.normal)], axis=1)
-                  for point in (near.first, near.second)]  # fmt: skip
+        out = np.zeros((len(near.sample), self.model.nq))
+        first, second, normal = np.moveaxis(self.where(q, near), 1, 0)
+        pushes = [np.concatenate([normal, np.cross(point, normal)], axis=1) for point in (first, second)]
         samples, begins = np.unique(near.sample, return_index=True)
         for t, begin, end in zip(samples, begins, np.append(begins, len(out))[1:], strict=True):
             rows = slice(begin, end)
-            J = pin.computeJointJacobians(model, self.data, q[t])
+            J = pin.computeJointJacobians(self.model, self.data, q[t])
             for side, sign in enumerate((-1.0, 1.0)):
-                out[rows] += sign * (pushes[side][rows] @ J) * moves[pairs[near.pair[rows], side]]
+                out[rows] += sign * (pushes[side][rows] @ J) * self._moves[self._joints[near.pair[rows], side]]
         return out

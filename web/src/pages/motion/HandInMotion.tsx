@@ -7,11 +7,12 @@ import { DropFiles, type Dropped } from "../../parts/DropFiles";
 import { ProblemBox } from "../../parts/ProblemBox";
 
 const AXES = ["x", "y", "z", "-x", "-y", "-z"];
-const UNITS = ["m", "cm", "mm", "in"];
+const UNITS = ["m", "cm", "mm", "in", "cmu"];
+const ANGLES = ["deg", "rad"];
 const CAPTURE = /\.(c3d|trc|mot|sto|bvh|amc)$/i;
 
-type Said = { name: string; up: string | null; unit: string | null; static: string | null; map: string | null };
-const NOTHING: Said = { name: "", up: null, unit: null, static: null, map: null };
+type Said = { name: string; up: string | null; unit: string | null; angle: string | null; static: string | null; map: string | null };
+const NOTHING: Said = { name: "", up: null, unit: null, angle: null, static: null, map: null };
 
 /** Drop a capture; what the file is silent about is asked for, and may be said at once. */
 export function HandInMotion() {
@@ -63,6 +64,7 @@ function Ask({ files, said, say, busy, send }: { files: Dropped; said: Said; say
         <TextInput label="Name" value={said.name} onChange={(event) => say({ ...said, name: event.currentTarget.value })} />
         <Select label="Upwards" data={AXES} value={said.up} clearable placeholder="as the file says" onChange={(up) => say({ ...said, up })} />
         <Select label="Unit of length" data={UNITS} value={said.unit} clearable placeholder="as the file says" onChange={(unit) => say({ ...said, unit })} />
+        <Select label="Unit of angles" data={ANGLES} value={said.angle} clearable placeholder="as the file says" onChange={(angle) => say({ ...said, angle })} />
         {captures.length > 1 && (
           <Select label="Static trial" data={captures} value={said.static} clearable placeholder="none" onChange={(trial) => say({ ...said, static: trial })} />
         )}

@@ -70,21 +70,27 @@ function WhatItIs({ motion }: { motion: Motion }) {
   );
 }
 
+/** How it is read now, where the file is silent or wrong. */
+function statedOf({ capture }: Motion): Restated {
+  return { up: capture?.up ?? null, unit: capture?.unit ?? null, angle: capture?.angle ?? null, subject: capture?.subject ?? null };
+}
+
 /** Read it otherwise: the same files, another version. */
 function Restate({ motion }: { motion: Motion }) {
   const restate = useRestate(motion.id);
   const navigate = useNavigate();
   const { data: maps } = useMaps();
   const capture = motion.capture;
-  const [said, say] = useState<Restated>({ up: capture?.up ?? null, unit: capture?.unit ?? null });
-  const changed = said.up !== (capture?.up ?? null) || said.unit !== (capture?.unit ?? null) || Boolean(said.map);
+  const [said, say] = useState<Restated>(statedOf(motion));
+  const changed = JSON.stringify(said) !== JSON.stringify(statedOf(motion));
   const send = () =>
     restate.mutate({ ...said, ...(said.map ? {} : { names: capture?.names ?? {} }) }, { onSuccess: (now) => void navigate(`/motions/${now.id}`) });
   return (
     <div>
       <Group align="flex-end" gap="sm">
         <Select label="Upwards" data={["x", "y", "z", "-x", "-y", "-z"]} value={said.up ?? null} clearable placeholder="as read" onChange={(up) => say({ ...said, up: up as Restated["up"] })} />
-        <Select label="Unit of length" data={["m", "cm", "mm", "in"]} value={said.unit ?? null} clearable placeholder="as read" onChange={(unit) => say({ ...said, unit: unit as Restated["unit"] })} />
+        <Select label="Unit of length" data={["m", "cm", "mm", "in", "cmu"]} value={said.unit ?? null} clearable placeholder="as read" onChange={(unit) => say({ ...said, unit: unit as Restated["unit"] })} />
+        <Select label="Unit of angles" data={["deg", "rad"]} value={said.angle ?? null} clearable placeholder="as read" onChange={(angle) => say({ ...said, angle: angle as Restated["angle"] })} />
         {(maps?.items.length ?? 0) > 0 && (
           <Select label="Names" data={maps!.items.map(({ name }) => name)} value={said.map ?? null} clearable placeholder="as they are" onChange={(map) => say({ ...said, map })} />
         )}
@@ -146,7 +152,7 @@ function NameThem({ motion, unknown }: { motion: Motion; unknown: string[] }) {
   const navigate = useNavigate();
   const save = async () => {
     const kept = await keep.mutateAsync({ name: title.trim(), names: { ...(motion.capture?.names ?? {}), ...names } });
-    const now = await restate.mutateAsync({ map: kept.name, up: motion.capture?.up ?? null, unit: motion.capture?.unit ?? null });
+    const now = await restate.mutateAsync({ ...statedOf(motion), map: kept.name });
     void navigate(`/motions/${now.id}`);
   };
   return (

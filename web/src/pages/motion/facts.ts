@@ -40,6 +40,8 @@ export const TOLD: Record<string, string> = {
   longest_gap: "Longest gap",
   feet: "Feet",
   unknown: "Of no known part",
+  left_out: "Left out",
+  far_away: "Beyond any room",
   duplicates: "Named twice",
   renamed: "Names taken",
   angles: "Angles",
