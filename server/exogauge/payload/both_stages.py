@@ -83,9 +83,14 @@ class Logs:
         return replace(self, holds=holds, excitation=excitation, test=test, contact=contact)
 
     def without(self, wrenches: Sequence[Array]) -> Logs:
-        """wrenches: (T, 6) of what is taken out, in the same order."""
+        """wrenches: (T, 6) of what is taken out, in the same order; NaN at samples that are left out."""
         parts = iter(wrenches)
-        return self.each(lambda read: read - next(parts))
+        logs = self.each(lambda read: read - next(parts))
+        excitation, test, contact = (
+            [each.rows(np.isfinite(each.wrench).all(axis=1)) for each in some]
+            for some in (logs.excitation, logs.test, logs.contact)
+        )
+        return replace(logs, excitation=excitation, test=test, contact=contact)
 
     def still(self) -> tuple[Postures | None, list[str]]:
         """What the postures say, without those that were touched; and warnings."""

@@ -39,6 +39,9 @@ class Moved:
     wrench: Array
     noise_known: bool
 
+    def rows(self, which: NDArray[np.bool_]) -> Moved:
+        return replace(self, motion=self.motion.rows(which), wrench=self.wrench[which])
+
 
 def std_of(payload: Payload) -> Array:
     """(6,) [N, N·m] of one sample: as stated, or with the rounding of steps that are coarser than that; where

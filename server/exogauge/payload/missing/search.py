@@ -28,6 +28,7 @@ from exogauge.payload.missing.doubt import (
     is_foretold,
     numbers,
     numbers_with_std,
+    of_unexplained,
     slightly_inclined,
     slightly_late,
     swings,
@@ -171,6 +172,11 @@ def find_missing(
 ) -> Missing:  # fmt: skip
     """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed. others: in which
     something may touch, so that they decide nothing at all."""
+    latest = criteria.payload.latest_s
+    fitted, held_out = (
+        [each if each.still else each.using(each.inside(latest) & each.inside(-latest)) for each in some]
+        for some in (fitted, held_out)
+    )
     problem = Problem(fitted, frame, inclined, criteria)
     effects = catalogue(fitted, inclined, criteria.payload)
     named: list[Named] = []
@@ -221,8 +227,11 @@ def find_missing(
     ):
         leans, turned = slightly_inclined(problem, base, named)
         slight = slight + turned
+    decision = decide(facts)
+    if decision.verdict == "unexplained":
+        slight = slight + of_unexplained(first_problem)
     return Missing(
-        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + slight,
+        claimed, suspected, decision, before, after, len(effects), bool(named), courses, doubt + slight,
         late and late[:2], leans, slight,
     )  # fmt: skip
 
@@ -231,10 +240,13 @@ def _course(
     problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch,
     own: Sequence[tuple[Finding, str, Array]],
 ) -> Array:  # fmt: skip
-    """(T, 6) what of a wrench is not that of the body, the zero and noise."""
+    """(T, 6) what of a wrench is not that of the body, the zero and noise; NaN where it is of a time before the log or
+    after it."""
     rigid = design(problem.frame, stretch, []) @ found.x[:SIZE]
     course = stretch.wrench - residuals(problem.frame, stretch, named, found.x) - rigid
-    return np.asarray(course + sum(wrench for _, log, wrench in own if log == stretch.name))
+    course = course + sum(wrench for _, log, wrench in own if log == stretch.name)
+    inside = stretch.still | stretch.inside(sum(each.shape[0] for each in named if each.effect.retimed))
+    return np.asarray(np.where(inside[:, None], course, np.nan))
 
 
 def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> list[Effect]:

@@ -99,7 +99,8 @@ def delay(criteria: Carrying = USUAL) -> Effect:
     def told(_frame: Frame, shape: Array, _value: Array) -> Array:
         return 1e3 * shape
 
-    starts, latest = ((-0.01,), (0.005,), (0.02,)), criteria.latest_s
+    latest = criteria.latest_s
+    starts = tuple((float(each),) for each in np.linspace(-0.8, 0.8, 5) * latest)
     return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
 
 

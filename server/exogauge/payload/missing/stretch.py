@@ -47,6 +47,10 @@ class Stretch:
     def using(self, which: NDArray[np.bool_]) -> Stretch:
         return replace(self, use=self.use & which)
 
+    def inside(self, late: float) -> NDArray[np.bool_]:
+        """(T,) whether the log tells of the time `late` [s] before a sample."""
+        return np.asarray((self.time - late >= self.time[0]) & (self.time - late <= self.time[-1]))
+
     def without(self, spans: Sequence[tuple[float, float]]) -> Stretch:
         """spans: from, to [s] of what does not count."""
         inside = [(self.time >= start) & (self.time <= end) for start, end in spans]
