@@ -259,10 +259,9 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
             raise BadStudy(Fault(detail, "moments_reversed", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
         return
     file, said = payload.of("excitation")[0].wrench.file, units_for(ratio, std, sensor.force_unit, sensor.moment_unit)
-    if not said:
-        return  # no unit explains it: another fault does
     detail = f"moments are {ratio:.4g} ± {std:.1g} times what forces say of the payload in motion: a unit is wrong"
-    raise BadStudy(Fault(detail, "units_disagree", f"Say {said}.", file, None, sensor.wrench[3], f"{ratio:.4g}"))
+    advice = f"Say {said}." if said else "Check `sensor.force_unit` and `sensor.moment_unit`, and the clocks."
+    raise BadStudy(Fault(detail, "units_disagree", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
 
 
 def _require_axes(payload: Payload, rows: Rows, solution: DynamicSolution, criteria: Criteria) -> None:

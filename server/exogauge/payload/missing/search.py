@@ -60,6 +60,8 @@ from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
+BROADLY = 0.1  # how far from its start a single shape is looked for, in shares of its range
+
 
 @final
 @dataclass(frozen=True)
@@ -192,6 +194,7 @@ def find_missing(
                        if winner.evidence - each.evidence < criteria.payload.rival)  # fmt: skip
         named.append(by_slow_means(problem, named, winner.named) if swings(winner.named.effect) else winner.named)
         claims.append((winner, rivals))
+        _again(problem, named)
         problem, base = _settled(problem, named)
     found = [_told(problem, base, named, k, *claim) for k, claim in enumerate(claims)]
     own = [each for stretch in held_out for each in _of_its_own(problem, base, named, stretch)]
@@ -272,6 +275,15 @@ def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]
     return problem, fit(problem, named)
 
 
+def _again(problem: Problem, named: list[Named]) -> None:
+    """Single shapes of those that were named before the last, beside all: they stood for a part of it."""
+    for k, each in enumerate(named[:-1]):
+        if len(each.effect.bounds) == 1:
+            others = [*named[:k], *named[k + 1 :]]
+            starts = [each.shape, *each.effect.starts]
+            named[k] = with_best_shape(problem, others, fit(problem, others), each.effect, starts, BROADLY)
+
+
 def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
     """Whether any log's channel is above its floor by more than its samples' chance: there a name is looked for."""
     for values in in_floors(problem, base.residual):
@@ -285,7 +297,6 @@ def _best(
     problem: Problem, named: Sequence[Named], base: Fitted, effects: Sequence[Effect], held_out: Sequence[Stretch]
 ) -> list[_Candidate]:
     """What may be claimed, most evidence first."""
-    broadly = 0.1  # how far from its start a single shape is looked for, in shares of its range
     taken = {(each.effect.name, each.effect.place) for each in named}
     coarse = problem.coarse()
     on_coarse = fit(coarse, named)
@@ -293,7 +304,7 @@ def _best(
     for effect in effects:
         if (effect.name, effect.place) in taken:
             continue
-        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, broadly)
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, BROADLY)
         evidence = _evidence(problem, named, base, candidate, len(effects))
         if evidence > problem.criteria.payload.worth:
             scored.append((evidence, candidate))
