@@ -54,11 +54,13 @@ def loaded() -> dict[str, set[str]]:
     return dict(zip(STEPS, loaded_after(*(step for step, _ in STEPS.values())), strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", STEPS)
 def test_what_a_command_does_not_use_is_not_loaded(step: str, loaded: dict[str, set[str]]) -> None:
     assert not loaded[step] & STEPS[step][1]
 
 
+@pytest.mark.slow
 def test_a_service_loads_no_numerics() -> None:
     (loaded,) = loaded_after("import exogauge.api.app")
     assert not loaded & SERVICE

@@ -6,6 +6,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 BEND = """
 import numpy as np
 from exogauge.loops.bristle import bend
@@ -48,6 +50,7 @@ def test_every_loop_that_others_call_says_for_which_types_it_is_compiled():
     assert int(said(AHEAD)) > 15
 
 
+@pytest.mark.slow
 def test_what_was_compiled_ahead_is_not_compiled_again(tmp_path):
     """It was kept under another name than the one that a call looks for, so that every new installation, and every
     process of one that keeps nothing, compiled for half a minute in the midst of its first job."""

@@ -91,6 +91,7 @@ def test_a_device_is_checked_against_its_robot_kept_and_handed_back(
     assert (again.status_code, again.json()["id"]) == (200, device["id"])
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_every_fault_of_a_device_is_told_at_its_place(client: TestClient, hand_in: Callable[..., Any]) -> None:
     changes = {
@@ -119,6 +120,7 @@ def test_every_fault_of_a_device_is_told_at_its_place(client: TestClient, hand_i
     assert client.get(f"{V1}/devices").json()["items"] == []
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_bench_test_that_is_missing_or_broken_is_refused_where_it_is(hand_in: Callable[..., Any]) -> None:
     missing = hand_in({"device.yaml": DEVICE}).json()["errors"]

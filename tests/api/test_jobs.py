@@ -217,6 +217,7 @@ def test_a_queued_job_knows_how_many_start_before_it(client, study):
     assert client.get(f"/api/v1/jobs/{jobs[0]['id']}").json()["ahead"] is None
 
 
+@pytest.mark.slow
 def test_a_list_of_jobs_takes_as_many_statements_for_fifty_as_for_one(client, study, app):
     counted = []
     sa.event.listen(app.state.installation.engine, "before_cursor_execute", lambda *_: counted.append(1))

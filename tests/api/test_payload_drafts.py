@@ -102,6 +102,7 @@ def test_a_draft_of_nothing_is_refused(client: TestClient, draft: dict[str, Any]
     assert client.post(f"{V1}/payloads/from-draft", json=draft).status_code == status
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_plan_without_logs_is_a_payload(client: TestClient, uploaded: Callable[[str, bytes], str]) -> None:
     key = uploaded("arm.urdf", generator.arm_urdf().encode())

@@ -85,6 +85,7 @@ def test_a_payload_is_read_pinned_and_handed_back(client: TestClient, hand_in: P
     ]
 
 
+@pytest.mark.slow
 @on_sqlite
 @pytest.mark.parametrize(
     ("change", "expected"),
@@ -165,6 +166,7 @@ def test_a_plan_that_cannot_be_made_is_refused_when_it_is_handed_in(hand_in: Pos
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_jobs_are_of_what_their_kind_is_of(client: TestClient, stored: dict[str, Any]) -> None:
     job = client.post(f"{V1}/jobs", json={"payload_id": stored["id"], "kind": "payload"})

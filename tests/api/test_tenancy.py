@@ -302,6 +302,7 @@ def test_nobody_a_revoked_token_and_a_session_that_is_over_get_nothing_but_401(a
             assert not shown(answer, world), (method, path)
 
 
+@pytest.mark.slow
 def test_an_account_of_no_lab_gets_nothing(app: FastAPI, world: World) -> None:
     client = TestClient(
         app,

@@ -79,6 +79,7 @@ files:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_a_log_with_a_mapping_keeps_both(client: TestClient) -> None:
     table = b"ms,angle\n" + b"".join(b"%d,%d\n" % (10 * k, k % 7) for k in range(100))

@@ -28,6 +28,7 @@ def _points(scene, band: Band):
         yield (names.index(on) if on in names else -1), offset + xyz
 
 
+@pytest.mark.slow
 def test_joints_give_what_the_bands_energy_changes_by(torso8) -> None:
     """Against -dU/dq by finite differences, U = k (l - l_0)² / 2 where the band is taut."""
     wear, tree = torso8.wear, torso8.robot.tree

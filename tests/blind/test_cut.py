@@ -50,6 +50,7 @@ def test_a_tool_moves_as_another_implementation_says(arm6, arm_model) -> None:
         np.testing.assert_allclose(cut_wrench(robot.tree, robot.phi, cut, moving)[0], -needed.vector, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_under_an_upper_body_is_the_change_of_all_momentum(torso8, torso_model) -> None:
     robot, cut = torso8.robot, torso8.robot.cut
     data, rng = torso_model.createData(), np.random.default_rng(3)

@@ -206,6 +206,7 @@ def test_what_is_served_on_purpose_is_not_refused(monkeypatch, tmp_path, host, s
     refuse_open_house(Settings())
 
 
+@pytest.mark.slow
 def test_a_server_that_is_open_to_all_on_purpose_begins_to_listen(tmp_path):
     with socket.socket() as taken:  # it ends here, at a port that is in use
         taken.bind(("", 0))

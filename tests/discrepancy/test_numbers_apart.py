@@ -52,6 +52,7 @@ def heavy(tmp_path_factory: pytest.TempPathFactory):
     return arm, recordings, found_in(arm, tmp_path_factory.mktemp("arm"), recordings)
 
 
+@pytest.mark.slow
 def test_the_doubt_that_is_planned_for_is_the_evidence_that_was_found(heavy) -> None:
     """What is left of each number beside all that the maker may be off in, as letting it go has it, gains apart."""
     _, recordings, found = heavy

@@ -216,6 +216,7 @@ def nearest(urdf: str, q: np.ndarray) -> float:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("most", "looked_hz"), [(20.0, 20.0), (2.0, 2.0)])
 def test_what_tells_most_a_second_is_offered_and_keeps_every_bound(
     fast_only, doubt, tmp_path, arm_urdf, most, looked_hz

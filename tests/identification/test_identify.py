@@ -42,6 +42,7 @@ def fit(truth, make_log, noise, settings=None, fitted=(1, 2), held_out=(9,)):
     return identify(truth.robot, recordings, settings or Settings(cutoff_hz=8.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("floating", [True, False])
 def test_known_truth_comes_back_without_noise(make_truth, make_log, floating):
     truth = make_truth(floating, actuation="current" if floating else "torque")
@@ -92,6 +93,7 @@ def test_coupled_axes_get_their_own_friction(make_truth, make_log):
         assert values[f"k_d[{joint}]"].value == pytest.approx(k_d, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_sign_of_static_friction_is_found_from_the_residual(make_truth, make_log):
     truth = make_truth(floating=True, seed=6)
     values = by_name(fit(truth, make_log, noise=0.5))
@@ -214,6 +216,7 @@ def test_no_bit_depends_on_how_many_processors_there_are(make_truth, make_log, m
     assert told[0] == told[1]
 
 
+@pytest.mark.slow
 def test_channels_of_a_prediction_are_computed_alike_whenever_they_are_asked_for_and_kept_by_nobody(
     make_truth, make_log
 ):

@@ -52,3 +52,21 @@ def test_where_nothing_moves_neither_is_said():
 def test_an_even_log_is_left_alone():
     given = log_of(EVEN, EVEN)
     assert segments(given) == [given]
+
+
+@pytest.mark.parametrize("taken_at_stamps", [True, False])
+@pytest.mark.parametrize("step", [2e-5, 4e-4])
+def test_an_encoder_s_steps_make_neither_reading_the_smoother_one(taken_at_stamps, step):
+    """Slow turns between rests: there interpolation smooths the steps, whichever is right."""
+    time = jittered(0.02)
+    slow = 0.3 * (1.0 - np.cos(0.5 * (time if taken_at_stamps else EVEN)))
+    given = Log("elbow", time, {"q.elbow": step * np.round(slow / step), "q.wrist": np.zeros(SAMPLES)})
+    (found,) = segments(given)
+    wrong = "stamps_evened" if taken_at_stamps else "samples_evened"
+    assert wrong not in [note.rule for note in found.notes]
+
+
+def test_where_samples_and_stamps_jitter_neither_is_said():
+    time = jittered(0.2)
+    given = log_of(time, EVEN + 0.5 * (time - EVEN))
+    assert segments(given) == [given]

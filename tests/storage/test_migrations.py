@@ -35,6 +35,7 @@ def owner(url: str) -> sa.Engine:
 OF_NO_LAB = {"identities", "worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
 
 
+@pytest.mark.slow
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
     assert migrate.current(empty_database_url) is None
     assert migrate.upgrade(empty_database_url) == migrate.newest()
@@ -146,6 +147,7 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
     engine.dispose()
 
 
+@pytest.mark.slow
 def test_going_back_before_motions_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
     migrate.upgrade(empty_database_url)
     engine = owner(empty_database_url)

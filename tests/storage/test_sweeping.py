@@ -126,6 +126,7 @@ def test_a_live_stream_does_not_end_with_a_log_that_is_gone(storage: Storage) ->
         store.live_streams.end(stream.id, Counts(), raw=("0" * 64, 1))
 
 
+@pytest.mark.slow
 def test_sweeping_all_the_time_loses_nothing_that_was_acknowledged(
     storage: Storage, installation: Installation
 ) -> None:

@@ -35,6 +35,7 @@ def restamped(folder: Path, step_s: float, rows: int | None = None) -> None:
         pq.write_table(table.set_column(table.column_names.index("t"), "t", t), log)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("error", "code"), [(ValueError("no such array"), 1), (NotIdentifiable("no answer"), 2)])
 def test_the_identification_outlives_the_step_behind_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],

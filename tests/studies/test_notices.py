@@ -35,6 +35,7 @@ def test_findings_of_one_sort_stand_together_errors_first_and_none_is_lost() -> 
     assert sorted(str(each["channel"]) for group in groups for each in group.each) == list("01234")
 
 
+@pytest.mark.slow
 def test_the_doctor_shows_a_few_of_each_sort_and_all_when_asked(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

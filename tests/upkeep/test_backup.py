@@ -132,6 +132,7 @@ def in_order(table: sa.Table) -> sa.Select[Any]:
     return sa.select(table).order_by(*table.primary_key)
 
 
+@pytest.mark.slow
 def test_everything_is_had_back_on_either_database(filled: Installation, elsewhere: str, tmp_path: Path) -> None:
     done = back_up(filled, tmp_path / "backup", "me")
     assert done.rows == sum(len(rows) for rows in rows_of(filled).values())

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement, measured
+from exogauge.criteria.criterion import criterion, derived, judgement
 
 READING = "server/exogauge/logs, docs/mapping.md"
 NOISE = "server/exogauge/logs/noise.py"
@@ -50,11 +50,23 @@ class Logs:
     even: float = criterion(
         0.02, "periods", "stamps closer than that to an even clock are even: printed decimals", judgement(READING)
     )
-    rougher: float = criterion(
-        1.5,
-        "times",
-        "as rough positions have to be, for it to be said whether samples jitter or only their stamps",
-        measured("white noise alone, jitter of 3 to 30 % of a period: 0.87 to 1.31; a joint that moves: 2.6 and more"),
+    in_motion: float = criterion(
+        0.1, "of the rate", "below it is the motion whose velocity tells a sample's time", judgement(READING)
+    )
+    above_motion: float = criterion(
+        0.25, "of the rate", "above it is no motion, so jitter and noise alone are seen there", judgement(READING)
+    )
+    nearly: float = criterion(
+        0.25,
+        "1",
+        "of the stamps' jitter by which what positions follow may miss all of it, or nothing: else both may jitter",
+        judgement(READING),
+    )
+    surely: float = criterion(
+        5.0,
+        "std",
+        "from the other reading, for it to be said whether samples jitter or their stamps",
+        judgement(READING),
     )
     longest_gap: float = criterion(5.0, "periods", "that interpolation may bridge", judgement(READING))
     anti_alias: float = criterion(

@@ -1,28 +1,63 @@
-"""Stamps that jitter though samples were taken evenly: positions tell, for at the wrong times they are rough."""
+"""Stamps that jitter though samples were taken evenly: positions tell, as they follow when a sample was taken."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.logs import LOGS
-from exogauge.logs.model import Log
-from exogauge.logs.noise import noise_of
-from exogauge.logs.resampling import is_even, uniform
+from exogauge.logs.derivatives import differentiate
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.resampling import is_even
 
 Array = NDArray[np.float64]
 
 
-def times_rougher(log: Log, resampled: Log, positions: Sequence[str]) -> tuple[float, float] | None:
-    """Roughness of positions at the stamps and counted as even, each over the other; None where the clock is even or
-    nothing can be told. log: without a gap. resampled: the same at its stamps."""
-    if is_even(log.time) or not positions:
+@final
+@dataclass(frozen=True)
+class Followed:
+    """Which share of velocity times jitter is in the positions, and its std: 1 where samples were taken at their
+    stamps, 0 where they were taken evenly and only the stamps jitter."""
+
+    share: float
+    std: float
+
+    @property
+    def at_stamps(self) -> bool:
+        return abs(self.share - 1.0) < LOGS.nearly and self.share > LOGS.surely * self.std
+
+    @property
+    def evenly(self) -> bool:
+        return abs(self.share) < LOGS.nearly and 1.0 - self.share > LOGS.surely * self.std
+
+
+def jitter_followed(parts: Sequence[tuple[Array, Array]]) -> Followed | None:
+    """parts: stretches without a gap, times (T,) [s] and positions (T, K). None where the clock is even, or nothing
+    moves.
+
+    Compared above the motion's band alone. White noise and an encoder's steps are in both readings alike: neither looks
+    smoother for being interpolated.
+    """
+    from_samples = [_moments(time, positions) for time, positions in parts if not is_even(time)]
+    if not from_samples:
         return None
-    as_stamped, as_counted = (_roughness(each, positions) for each in (resampled, log))
-    return as_stamped / max(as_counted, 1e-300), as_counted / max(as_stamped, 1e-300)
+    samples = sum(len(time) for time, _ in parts if not is_even(time))
+    jitter, both, seen = np.sum(from_samples, axis=0)  # (K,) each: squares, products
+    moves = (jitter > 0.0) & (seen > 0.0)
+    if not moves.any():
+        return None
+    jitter, both, seen = jitter[moves], both[moves], seen[moves]
+    share, weight = 0.0, samples / seen
+    for _ in range(5):  # what noise each joint has depends on what is explained
+        share = float((weight @ both) / (weight @ jitter))
+        weight = samples / np.maximum(seen - 2.0 * share * both + share**2 * jitter, 1e-6 * seen)
+    independent = 1.0 - 2.0 * LOGS.above_motion  # of all samples: as many as the band that is looked at holds
+    return Followed(share, float(1.0 / np.sqrt(independent * (weight @ jitter))))
 
 
 def even_stamps(time: Array, positions: Array) -> Array:
@@ -31,18 +66,23 @@ def even_stamps(time: Array, positions: Array) -> Array:
     step = np.diff(time)
     edges = [0, *(np.flatnonzero(step > LOGS.late * np.median(step)) + 1), len(time)]
     parts = [(a, b) for a, b in pairwise(edges) if b - a >= LOGS.fewest_samples]
-    names, even, tell = [f"q.{k}" for k in range(positions.shape[1])], time.copy(), list[tuple[float, float]]()
+    followed = jitter_followed([(time[a:b], positions[a:b]) for a, b in parts])
+    if followed is None or not followed.evenly:
+        return time
+    even = time.copy()
     for a, b in parts:
         line = np.polynomial.Polynomial.fit(np.arange(b - a), time[a:b], 1)
         even[a:b] = line(np.arange(b - a))
-        log = Log("part", time[a:b], {name: positions[a:b, k] for k, name in enumerate(names)})
-        told = times_rougher(log, uniform(log), names)
-        tell += [told] * (b - a) if told is not None else []
-    if not tell or np.median(tell, axis=0)[0] <= LOGS.rougher or not np.all(np.diff(even) > 0.0):
+    if not np.all(np.diff(even) > 0.0):
         return time
     return even if np.abs(even - time).max() < LOGS.joined * np.median(step) else time
 
 
-def _roughness(log: Log, names: Sequence[str]) -> float:
-    found = noise_of([log.channels[name] for name in names], log.rate_hz, 0.25 * log.rate_hz)
-    return float(np.sqrt(sum(each.std**2 for each in found)))
+def _moments(time: Array, positions: Array) -> Array:
+    """(3, K) squares of velocity times jitter, products with the positions, squares of these, above the motion."""
+    rate = (len(time) - 1) / float(time[-1] - time[0])
+    late = time - np.linspace(time[0], time[-1], len(time))
+    velocity = differentiate(LowPass(LOGS.in_motion * rate, rate).apply(positions), rate)
+    low_pass = LowPass(LOGS.above_motion * rate, rate)
+    jitter, seen = (each - low_pass.apply(each) for each in (velocity * late[:, None], positions))
+    return np.array([np.sum(jitter**2, axis=0), np.sum(jitter * seen, axis=0), np.sum(seen**2, axis=0)])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
-from exogauge.logs.even_stamps import times_rougher
+from exogauge.logs.even_stamps import jitter_followed
 from exogauge.logs.model import Beside, Log, Note
 from exogauge.logs.resampling import uniform
 
@@ -72,21 +72,20 @@ def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
 
 
 def _on_even_clock(log: Log) -> Log:
-    """Whether samples were taken when their stamps say, or evenly, positions tell: at the wrong one they are rough."""
+    """Whether samples were taken when their stamps say, or evenly, positions tell."""
     positions = [name for name, values in log.channels.items() if name.startswith("q.") and np.isfinite(values).all()]
-    resampled = uniform(log)
-    told = times_rougher(log, resampled, positions)
-    if told is None:
+    followed = jitter_followed([(log.time, log.stack(positions))]) if positions else None
+    if followed is None:
         return log
-    as_stamped, as_counted = told
     varies = f"sample periods vary by {100.0 * float(np.std(np.diff(log.time))) * log.rate_hz:.2g} %"
-    if as_counted > LOGS.rougher:
-        detail = f"{varies}: resampled to an even clock, on which positions are {as_counted:.2g} times smoother"
-        return replace(resampled, part_of=log.part_of, notes=(*log.notes, Note("samples_evened", detail, "", None)))
-    if as_stamped > LOGS.rougher:
-        detail = f"{varies} by their stamps alone, as positions are {as_stamped:.2g} times smoother on an even clock"
+    follow = f"positions follow {100.0 * followed.share:.0f} ± {100.0 * followed.std:.1g} % of that"
+    if followed.at_stamps:
+        note = Note("samples_evened", f"{varies}: resampled to an even clock, as {follow}", "", None)
+        return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, note))
+    if followed.evenly:
         even = np.linspace(log.time[0], log.time[-1], log.samples)
-        return replace(log, time=even, notes=(*log.notes, Note("stamps_evened", detail, "", None)))
+        note = Note("stamps_evened", f"{varies} by their stamps alone, as {follow}", "", None)
+        return replace(log, time=even, notes=(*log.notes, note))
     return log
 
 

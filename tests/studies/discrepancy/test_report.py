@@ -64,6 +64,7 @@ def test_the_first_sentence_names_the_effect(report: str) -> None:
     )
 
 
+@pytest.mark.slow
 def test_that_nothing_is_missing_is_said_after_the_rest(render: Render, clean: Discrepancy) -> None:
     bare = words(section(render(dataclasses.replace(clean, rejected=()))))
     assert "none of 214 candidates surely explains anything beyond noise" in bare

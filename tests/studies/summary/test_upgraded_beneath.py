@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import exogauge
 from exogauge.studies.report.summary_page import summary_page
 from exogauge.studies.report.write import render_report
@@ -33,6 +35,7 @@ for path in (copy / "exogauge").rglob("*"):
 """
 
 
+@pytest.mark.slow
 def test_an_upgrade_beneath_a_running_job_leaves_its_reports_as_they_were(
     evaluation: Evaluation, tmp_path: Path
 ) -> None:

@@ -238,6 +238,7 @@ def test_series_without_reference_or_band_values_have_no_such_columns(support: S
     assert "band.A_left.tension" not in names
 
 
+@pytest.mark.slow
 def test_an_evaluation_with_a_device_leaves_every_file_that_it_names(
     pristine: Path,
     identification: Identification,

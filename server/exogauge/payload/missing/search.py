@@ -253,10 +253,9 @@ def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]
     for _ in range(2):
         found = fit(problem, named)
         stretches = [
-            each if each.still else replace(each, memory=correlation_time(
-                (residuals(problem.frame, each, named, found.x) / each.floor)[each.use]))
-            for each in problem.stretches
-        ]  # fmt: skip
+            each if each.still else replace(each, memory=correlation_time(left))
+            for each, left in zip(problem.stretches, in_floors(problem, found.residual), strict=True)
+        ]
         problem = problem.of(stretches).at(found.x[:10])
     return problem, fit(problem, named)
 
