@@ -60,8 +60,6 @@ from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
-BROADLY = 0.1  # how far from its start a single shape is looked for, in shares of its range
-
 
 @final
 @dataclass(frozen=True)
@@ -281,7 +279,7 @@ def _again(problem: Problem, named: list[Named]) -> None:
         if len(each.effect.bounds) == 1:
             others = [*named[:k], *named[k + 1 :]]
             starts = [each.shape, *each.effect.starts]
-            named[k] = with_best_shape(problem, others, fit(problem, others), each.effect, starts, BROADLY)
+            named[k] = with_best_shape(problem, others, fit(problem, others), each.effect, starts)
 
 
 def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
@@ -304,7 +302,7 @@ def _best(
     for effect in effects:
         if (effect.name, effect.place) in taken:
             continue
-        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, BROADLY)
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts)
         evidence = _evidence(problem, named, base, candidate, len(effects))
         if evidence > problem.criteria.payload.worth:
             scored.append((evidence, candidate))
