@@ -12,6 +12,7 @@ import pytest
 from tests.motion.test_reading import trc
 
 from exogauge.cli import main
+from exogauge.criteria.motion_fit import USUAL
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
 from exogauge.motion.fit.body import SCALES, human_body
@@ -95,6 +96,11 @@ def test_a_bow_is_as_deep_as_it_was(tmp_path: Path) -> None:
     again = open_motion(tmp_path / "out.mot").angles
     assert again.names == fit.body.coordinates
     assert again.value == pytest.approx(fit.q, abs=1e-5)
+    assert "scale_at_bound" not in fit.told  # how deep the lumbar joint lies has none
+    in_parts = fit_human(bowing(), criteria=replace(USUAL, at_once=40, beside=40))
+    assert in_parts.q == pytest.approx(fit.q, abs=1e-4)
+    with pytest.raises(BadMotion, match="more than 100 frames"):
+        fit_human(bowing(), criteria=replace(USUAL, most_frames=100))
 
 
 @pytest.mark.parametrize("wrong", ["names", "axis"])
@@ -103,6 +109,31 @@ def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
     with pytest.raises(BadMotion, match="Left and right are exchanged") as refused:
         fit_human(bowing(wrong))
     assert refused.value.faults[0].rule == "mirrored"
+
+
+def test_markers_that_are_no_body_in_a_mirror_either_are_refused_once() -> None:
+    """Each mirror was refused for its own mirror: the search went on for an hour."""
+    bow = bowing()
+    shuffled = np.random.default_rng(1).permutation(bow.markers.position[:12], axis=1)
+    few = replace(bow.markers, position=shuffled, filled=np.zeros(shuffled.shape[:2], dtype=bool))
+    with pytest.raises(BadMotion, match="no body fits these markers") as refused:
+        fit_human(replace(bow, time=bow.time[:12], markers=few))
+    assert refused.value.faults[0].rule == "no_body"
+
+
+def test_optitracks_markers_are_known_by_their_places(tmp_path: Path) -> None:
+    """Those of the body above that OptiTrack has too, under its names."""
+    names = {"LASI": "WaistLFront", "LPSI": "WaistLBack", "C7": "BackTop", "CLAV": "Chest", "LSHO": "LShoulderTop",
+             "LTHI": "LThigh", "LKNE": "LKneeOut", "LTIB": "LShin", "LANK": "LAnkleOut", "LHEE": "LHeel",
+             "LTOE": "LToeIn"}  # fmt: skip
+    names |= {f"R{own[1:]}": other.replace("WaistL", "WaistR") if own[1:] in ("ASI", "PSI") else f"R{other[1:]}"
+              for own, other in names.items() if own[0] == "L"}  # fmt: skip
+    bow = bowing().markers
+    kept = [k for k, label in enumerate(bow.labels) if label in names]
+    labels = tuple(f"Skeleton_{names[bow.labels[k]]}" for k in kept)
+    motion = open_motion(trc(tmp_path / "bow.trc", bow.position[:, kept], labels=labels))
+    assert motion.told["preset"] == "OptiTrack and Qualisys"
+    assert np.ptp(np.degrees(fit_human(motion).trunk[:, 0])) == pytest.approx(40.0, abs=1.0)
 
 
 @pytest.fixture(scope="module")

@@ -179,6 +179,14 @@ def test_bones_of_an_amc_turn_about_their_own_axes(tmp_path) -> None:
     assert np.linalg.norm(tree.end[1, head] - tree.position[1, 0]) == pytest.approx(0.0254 * 30)
 
 
+def test_turns_of_an_amc_are_in_the_unit_of_its_own_head(tmp_path) -> None:
+    """It was read in that of the ASF: radians as degrees."""
+    (tmp_path / "a.asf").write_text(ASF)
+    (tmp_path / "a.amc").write_text(AMC.replace(":DEGREES", ":RADIANS").replace("thorax 90", f"thorax {np.pi / 2}"))
+    tree = open_motion(tmp_path / "a.amc", skeleton=tmp_path / "a.asf", up="y").tree
+    assert tree.end[1, tree.names.index("head"), 2] == pytest.approx(0.0254 * 40)
+
+
 def _broken(folder: Path) -> dict[str, tuple[Path, str]]:
     """Files that are wrong, each with the rule it breaks."""
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.motion.robots import sample_folder
-from tests.motion.test_plan import ByMuJoCo
+from tests.motion.test_plan import SOON, ByMuJoCo
 from tests.motion.test_touching import Shapes
 
 from exogauge.criteria.motion_plan import USUAL
@@ -158,7 +158,7 @@ def test_markers_become_a_motion_that_the_sample_can_do_as_mujoco_sees_it(captur
     motion = with_contacts(open_motion(captured(name)))
     person = person_of_fit(fit_human(motion), motion.contacts).cut(begin, end)
     robot = load_motion_robot(sample_folder(tmp_path / "robot"))
-    asked, _ = ask(robot, person)
+    asked, _ = ask(robot, person, SOON)
     planned, judged = plan_within(robot, asked)
     assert judged.broken == ()
     upper = np.array(robot.beyond("thorax") + robot.torso)

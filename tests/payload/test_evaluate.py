@@ -18,7 +18,9 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from tests.payload import foreign
 from tests.payload.conftest import GRAVITY, generator
+from tests.payload.told import still
 
 from exogauge.cli import main
 from exogauge.criteria.criteria import Criteria
@@ -26,7 +28,7 @@ from exogauge.errors import BadStudy, NotIdentifiable
 from exogauge.payload.compute import identify
 from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
 from exogauge.payload.contract import LogEntry
-from exogauge.payload.evaluate import evaluate
+from exogauge.payload.evaluate import Evaluation, evaluate
 from exogauge.payload.intake import open_payload
 from exogauge.payload.log_names import log_names
 from exogauge.payload.prepare import holds_of
@@ -64,8 +66,13 @@ def sample(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(sample: Path) -> PayloadResults:
-    return results(evaluate(open_payload(sample)))
+def evaluation(sample: Path) -> Evaluation:
+    return evaluate(open_payload(sample))
+
+
+@pytest.fixture(scope="module")
+def found(evaluation: Evaluation) -> PayloadResults:
+    return results(evaluation)
 
 
 def test_the_command_writes_results_that_keep_their_schema(
@@ -147,10 +154,9 @@ def test_pushes_are_found_when_and_as_strong_as_they_were(sample: Path, found: P
         assert touch.force_n == pytest.approx(push["force"], abs=2.0)
 
 
-def test_the_alarm_is_false_as_often_as_it_is_said(sample: Path) -> None:
+def test_the_alarm_is_false_as_often_as_it_is_said(evaluation: Evaluation) -> None:
     """At one in twenty samples, so that it can be counted."""
-    payload = open_payload(sample)
-    evaluation = evaluate(payload)
+    payload = evaluation.payload
     from exogauge.payload.prepare import moving, std_of
 
     assert evaluation.stages.excitation is not None
@@ -286,19 +292,19 @@ def postures_alone(folder: Path) -> None:
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
 
 
-def test_an_identification_says_at_which_stage_it_is(sample: Path, tmp_path: Path) -> None:
+def test_an_identification_says_at_which_stage_it_is(tmp_path: Path) -> None:
     said: list[tuple[float, str, Stage]] = []
-    identify(sample, tmp_path / "whole", lambda *each: said.append(each), {})
+    foreign.write(tmp_path, 1, seconds=6.0)
+    identify(tmp_path, tmp_path / "whole", lambda *each: said.append(each), {})
     assert list(dict.fromkeys(stage for _, _, stage in said)) == [
         Stage.READING, Stage.POSTURES, Stage.KINEMATICS, Stage.EXCITATION, Stage.MISSING, Stage.CONTACT, Stage.WRITING,
     ]  # fmt: skip
     shares = [share for share, _, _ in said]
     assert shares == sorted(shares)
-    assert "smoothing the motion of fast" in {message for _, message, _ in said}
-    shutil.copytree(sample, tmp_path / "still")
-    postures_alone(tmp_path / "still")
+    assert "smoothing the motion of other" in {message for _, message, _ in said}
+    postures_alone(tmp_path)
     said.clear()
-    identify(tmp_path / "still", tmp_path / "out", lambda *each: said.append(each), {})
+    identify(tmp_path, tmp_path / "out", lambda *each: said.append(each), {})
     assert {stage for _, _, stage in said} == {Stage.READING, Stage.POSTURES, Stage.WRITING}
 
 
@@ -510,10 +516,12 @@ def test_a_cut_off_channel_is_told_with_the_results(sample: Path, tmp_path: Path
 
 
 @pytest.mark.parametrize("posture", [0, 7])
-def test_a_posture_that_was_touched_is_left_out_and_told(sample: Path, tmp_path: Path, posture: int) -> None:
+def test_a_posture_that_was_touched_is_left_out_and_told(
+    sample: Path, evaluation: Evaluation, tmp_path: Path, posture: int
+) -> None:
     folder = tmp_path / "touched"
     shutil.copytree(sample, folder)
-    clean = evaluate(open_payload(sample)).stages.postures
+    clean = evaluation.stages.postures
     assert clean is not None
     assert not clean.touched
     assert clean.holds.spans is not None
@@ -523,7 +531,7 @@ def test_a_posture_that_was_touched_is_left_out_and_told(sample: Path, tmp_path:
         columns["fy"][(columns["t"] >= start) & (columns["t"] <= end)] += 2.0
 
     rewritten(folder / "logs/postures.parquet", lean_on_it)
-    found = evaluate(open_payload(folder))
+    found = evaluate(open_payload(folder) if posture else still(folder))
     (told,) = [each for each in found.warnings if "touched" in each]
     size = re.search(rf"Posture {posture + 1}, {start:.2f} to {end:.2f} s: ([\d.]+) N", told)
     assert size is not None
@@ -531,7 +539,7 @@ def test_a_posture_that_was_touched_is_left_out_and_told(sample: Path, tmp_path:
     assert found.stages.postures is not None
     assert len(found.stages.postures.holds) == len(clean.holds) - 1
     assert found.stages.postures.chosen.mass == pytest.approx(clean.chosen.mass, abs=0.005)
-    assert found.missing.decision.verdict == "none"
+    assert found.missing.decision.verdict == ("none" if posture else "undecided")
 
 
 @pytest.mark.skipif(not (SHARED / "kuka_ft_payload").is_dir(), reason="no recordings beside the repository")
@@ -564,16 +572,18 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
     assert evaluation.stages.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
 
 
-def test_what_decided_stands_in_the_results_and_other_numbers_decide_otherwise(sample: Path) -> None:
-    folder_payload = open_payload(sample)
+def test_what_decided_stands_in_the_results_and_other_numbers_decide_otherwise(
+    sample: Path, found: PayloadResults
+) -> None:
+    folder_payload = open_payload(sample, roles=("postures", "excitation"))
     usual = Criteria()
-    told = {each.name: each for each in results(evaluate(folder_payload)).criteria}
+    told = {each.name: each for each in found.criteria}
     assert told["payload_dynamic.decided"].value == usual.payload_dynamic.decided
     assert len(told["payload.hangs_hz"].why) > 20
     assert {name.partition(".")[0] for name in told} >= {"judging", "payload", "payload_static", "payload_dynamic"}
     looser = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.5))
-    found = results(evaluate(folder_payload, criteria=looser))
-    assert {each.name: each.value for each in found.criteria}["payload_dynamic.decided"] == 0.5
+    other = results(evaluate(folder_payload, criteria=looser))
+    assert {each.name: each.value for each in other.criteria}["payload_dynamic.decided"] == 0.5
     never = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.0))
     with pytest.raises(NotIdentifiable):
         evaluate(folder_payload, criteria=never)

@@ -3,39 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.payload import foreign
+from tests.payload.told import evaluated, hold, off, still, streamed
 
 from exogauge.errors import BadStudy, NotIdentifiable
-from exogauge.payload.evaluate import Evaluation, evaluate
-from exogauge.payload.intake import open_payload
-from exogauge.payload.live import Known, Live
-from exogauge.payload.live_start import open_start, start_of
+from exogauge.payload.evaluate import evaluate
 
 Array = NDArray[np.float64]
-
-
-def off(found: Evaluation, truth: foreign.Truth) -> Array:
-    """(16,) errors in standard deviations."""
-    assert found.stages.excitation is not None
-    chosen = found.stages.excitation.chosen
-    return np.asarray((chosen.value - truth.x) / chosen.std)
-
-
-def evaluated(folder: Path) -> Evaluation:
-    return evaluate(open_payload(folder))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["plain", "jitter", "colour"])
 def test_intervals_hold_whoever_recorded(kind: str, tmp_path: Path) -> None:
     errors, named = [], 0
-    for seed in range(6):
+    for seed in range(4):
         folder = tmp_path / str(seed)
         folder.mkdir()
         spoil = foreign.stamps_jitter(seed) if kind == "jitter" else None
@@ -44,9 +30,7 @@ def test_intervals_hold_whoever_recorded(kind: str, tmp_path: Path) -> None:
         errors.append(off(found, truth))
         named += found.missing.decision.verdict != "none"
         assert bool([each for each in found.warnings if "stamps jitter" in each]) == (kind == "jitter")
-    # Sixteen numbers of six payloads, hardly 60 of them independent: 0.95 less three standard errors.
-    assert np.mean(np.abs(errors) < 1.96) > 0.87
-    assert np.abs(errors).max() < 4.5
+    hold(errors)
     assert named <= 1
 
 
@@ -74,37 +58,25 @@ LATE = 0.006
 @pytest.mark.parametrize("kind", ["jitter", "low-pass"])
 def test_live_numbers_hold_though_gravity_stamps_and_delay_are_only_known_so_well(kind: str, tmp_path: Path) -> None:
     errors = []
-    for seed in range(4):
+    for seed in range(3):
         folder = tmp_path / str(seed)
         folder.mkdir()
         spoil = foreign.stamps_jitter(seed) if kind == "jitter" else foreign.low_passed(LATE)
-        truth = foreign.write(folder, seed, spoil=spoil, tests=False)
-        payload = open_payload(folder)
-        _, whole = open_start(folder)
-        still = replace(payload, recordings=tuple(payload.of("postures")))
-        live = Live(replace(start_of(still), pose=whole.pose), foreign.RATE)
-        log, known = payload.of("excitation")[0], None
-        for k in range(0, len(log.pose.time), 20):
-            part = slice(k, k + 20)
-            for each in live.push(log.pose.time[part], log.pose.values[part], log.wrench.values[part]):
-                known = each if isinstance(each, Known) else known
-        assert known is not None
-        assert known.estimate.state == "converged"
-        errors.append((known.estimate.value - truth.x) / known.estimate.std)
+        error, known = streamed(folder, foreign.write(folder, seed, spoil=spoil, tests=False))
+        errors.append(error)
         assert (known.late is None) == (kind == "jitter")
         if known.late is not None:
             assert known.late[0] == pytest.approx(LATE, abs=3e-4)  # a pole is a delay but for its square
             assert known.late[1] < 3e-4
-    assert np.mean(np.abs(errors) < 1.96) > 0.85
-    assert np.abs(errors).max() < 4.5
+    hold(errors)
 
 
 @pytest.mark.slow
 def test_numbers_hold_behind_a_coarse_converter_and_live_does_not_take_its_steps_for_touches(tmp_path: Path) -> None:
     """Steps of six times the noise: postures do not average them away, motion reads them as more noise than stated."""
     steps = np.repeat([6.0 * foreign.FORCE_NOISE, 6.0 * foreign.MOMENT_NOISE], 3)
-    logged, streamed = [], []
-    for seed in range(3):
+    logged, live = [], []
+    for seed in range(2):
         folder = tmp_path / str(seed)
         folder.mkdir()
         truth = foreign.write(folder, seed, spoil=foreign.wrench(lambda w: np.round(w / steps) * steps), tests=False)
@@ -112,25 +84,16 @@ def test_numbers_hold_behind_a_coarse_converter_and_live_does_not_take_its_steps
         logged.append(off(found, truth))
         assert found.stages.excitation is not None
         assert found.stages.excitation.chosen.mu < 1.5
-        payload = open_payload(folder)
-        _, whole = open_start(folder)
-        start = start_of(replace(payload, recordings=tuple(payload.of("postures"))))
-        live, log, known = Live(replace(start, pose=whole.pose), foreign.RATE), payload.of("excitation")[0], None
-        for each in live.push(log.pose.time, log.pose.values, log.wrench.values):
-            known = each if isinstance(each, Known) else known
-        assert known is not None
-        assert known.estimate.state == "converged"
-        streamed.append((known.estimate.value - truth.x) / known.estimate.std)
-    for errors in (logged, streamed):
-        assert np.mean(np.abs(errors) < 1.96) > 0.85
-        assert np.abs(errors).max() < 4.5
+        live.append(streamed(folder, truth)[0])
+    hold(logged)
+    hold(live)
 
 
 @pytest.mark.slow
 def test_a_delay_too_small_to_be_named_is_told_and_held(tmp_path: Path) -> None:
     """Two milliseconds, a quarter of a sample: hardly more is left by them than noise."""
     errors = []
-    for seed in range(3):
+    for seed in range(2):
         folder = tmp_path / str(seed)
         folder.mkdir()
         truth = foreign.write(folder, seed, spoil=foreign.low_passed(0.002))
@@ -144,8 +107,42 @@ def test_a_delay_too_small_to_be_named_is_told_and_held(tmp_path: Path) -> None:
             late, std = found.missing.late
             assert [each for each in found.warnings if "against the pose" in each]
         assert abs(late - 0.002) < 3.0 * std + 2e-4
-    assert np.mean(np.abs(errors) < 1.96) > 0.85
-    assert np.abs(errors).max() < 4.0
+    hold(errors, 4.0)
+
+
+def shifted(samples: int) -> foreign.Spoil:
+    return lambda _name, table: np.column_stack([table[samples:, :6], table[:-samples, 6:]])
+
+
+@pytest.mark.slow
+def test_a_wrench_as_late_as_may_be_named_is_found_from_afar_and_all_else_holds(tmp_path: Path) -> None:
+    """40 ms: what a log reads before its first pose is of no use."""
+    truth = foreign.write(tmp_path, 1, spoil=shifted(5), seconds=10.0)
+    found = evaluated(tmp_path)
+    assert [each.effect for each in found.missing.found] == ["delay"]
+    late = found.missing.found[0].parameters[0]
+    assert abs(late.value - 40.0) < 3.5 * late.std
+    assert late.std < 1.0
+    assert np.abs(off(found, truth)).max() < 4.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("settles_s", [60.0, 1e6], ids=["settles", "even"])
+def test_a_zero_that_drifts_through_a_session_is_followed_from_its_begin(settles_s: float, tmp_path: Path) -> None:
+    """As a sensor warms up: in the postures too. Its value at the begin was wrong by 5 to 37 standard deviations."""
+    begun = {"still": 1e4, "shake": 1e4 + 50.0, "other": 1e4 + 80.0}
+    drift = 0.025 * np.array([1.0, -0.6, 0.8, 0.02, -0.016, 0.012])
+
+    def spoil(name: str, table: Array) -> Array:
+        t = table[:, [0]] - table[0, 0] + begun[name] - 1e4
+        course = -drift * settles_s * np.expm1(-t / settles_s)
+        return np.hstack([t + 1e4, table[:, 1:6], table[:, 6:] + course])
+
+    truth = foreign.write(tmp_path, 4, spoil=spoil, seconds=10.0)
+    found = evaluated(tmp_path)
+    assert found.missing.decision.verdict == "effects"
+    assert "zero_drift" in {each.effect for each in found.missing.found}
+    assert np.abs(off(found, truth)).max() < 4.0
 
 
 @pytest.mark.slow
@@ -194,12 +191,21 @@ def test_what_was_done_wrong_is_named(spoil: foreign.Spoil, rule: str, told: str
     assert told in str(refused.value)
 
 
+def test_gravity_turned_round_is_told_by_motion_where_nobody_said_which_way_the_sensor_reads(tmp_path: Path) -> None:
+    """Postures fit both alike."""
+    foreign.write(tmp_path, 2, sees=None, seconds=8.0, tests=False)
+    file = tmp_path / "payload.yaml"
+    file.write_text(file.read_text().replace("gravity: [0, 0, -9.81]", "gravity: [0, 0, 9.81]"))
+    with pytest.raises(BadStudy) as refused:
+        evaluated(tmp_path)
+    assert refused.value.faults[0].rule == "gravity_reversed"
+
+
 def test_axes_that_stand_a_little_off_are_told_with_their_angle(tmp_path: Path) -> None:
     c, s = np.cos(np.radians(5.0)), np.sin(np.radians(5.0))
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     foreign.write(tmp_path, 4, spoil=foreign.wrench(lambda w: np.hstack([w[:, :3] @ turn.T, w[:, 3:] @ turn.T])))
-    payload = open_payload(tmp_path)
-    found = evaluate(replace(payload, recordings=tuple(payload.of("postures"))))
+    found = evaluate(still(tmp_path))
     told = next(each for each in found.warnings if "off those of `hand`" in each)
     angle = float(told.split("stand ")[1].split("°")[0])
     assert abs(angle - 5.0) < 1.5  # the base leans by 1°, which nobody knows before
@@ -225,13 +231,13 @@ def test_a_sensor_zeroed_before_the_motion_is_named_and_not_called_a_poor_motion
 
 @pytest.mark.slow
 def test_three_postures_do_and_a_dead_channel_is_told(tmp_path: Path) -> None:
-    foreign.write(tmp_path, 7, postures=3)
-    assert evaluated(tmp_path).stages.postures is not None
+    foreign.write(tmp_path, 7, postures=3, tests=False)
+    assert evaluate(still(tmp_path)).stages.postures is not None
 
     def dead(_name: str, table: Array) -> Array:
         return np.column_stack([table[:, :8], np.full(len(table), 21.5), table[:, 9:]])
 
-    foreign.write(tmp_path, 7, spoil=dead)
+    foreign.write(tmp_path, 7, spoil=dead, seconds=8.0, tests=False)
     assert [each for each in evaluated(tmp_path).warnings if "'FT_Z'" in each and "all" in each]
 
 
@@ -278,8 +284,7 @@ def test_a_unit_of_forces_is_told_though_it_changes_their_noise_too(factor: floa
 def test_postures_alone_tell_a_unit_by_what_a_wrench_scatters_at_rest(first: int, tmp_path: Path) -> None:
     factor = np.where(np.arange(6) // 3 == first // 3, 0.1, 1.0)
     foreign.write(tmp_path, 8, spoil=foreign.wrench(lambda w: w * factor))
-    payload = open_payload(tmp_path)
-    found = evaluate(replace(payload, recordings=tuple(payload.of("postures"))))
+    found = evaluate(still(tmp_path))
     told = [each for each in found.warnings if "At rest channels scatter" in each]
     assert len(told) == 1
     assert all(name in told[0] for name in foreign.COLUMNS[6 + first : 9 + first])
@@ -298,17 +303,16 @@ def test_an_excitation_alone_in_which_nothing_moves_is_refused(tmp_path: Path) -
 def test_a_base_that_leans_a_little_is_in_the_doubt_where_no_posture_tells_it(tmp_path: Path) -> None:
     """The generator's base leans by 1°; of payloads of this size that is half the noise."""
     errors = []
-    for seed in range(3):
+    for seed in range(2):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        truth = foreign.write(folder, seed)
+        truth = foreign.write(folder, seed, seconds=12.0)
         only_moved(folder)
         found = evaluated(folder)
         errors.append(off(found, truth))
         named = {each.effect for each in found.missing.found}
         assert named == {"inclination"} or found.missing.leans is not None
-    assert np.mean(np.abs(errors) < 1.96) > 0.85
-    assert np.abs(errors).max() < 4.0
+    hold(errors, 4.0)
 
 
 @pytest.mark.parametrize(("share", "said"), [(1.0, False), (0.95, True), (1.04, True)])
@@ -318,8 +322,7 @@ def test_a_weighed_mass_that_contradicts_is_told_with_what_it_may_mean(
     truth = foreign.write(tmp_path, 3, tests=False)
     file = tmp_path / "payload.yaml"
     file.write_text(file.read_text() + f"ground_truth: {{mass_kg: {share * truth.phi[0]:.5f}}}\n")
-    payload = open_payload(tmp_path)
-    found = evaluate(replace(payload, recordings=tuple(payload.of("postures"))))
+    found = evaluate(still(tmp_path))
     told = [each for each in found.warnings if "weighed" in each]
     assert bool(told) == said
     if said:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from functools import cache
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, STD, arm, case, generator
 
+from exogauge.payload.contact import false_alarm_limit
 from exogauge.payload.dynamics import batch, dynamic_rows, static_prior
 from exogauge.payload.live import Known, Live, SecondZero, Sensed, Start
 from exogauge.payload.live_fit import exciting
@@ -23,10 +25,10 @@ RATE, NOISE, DENSITY = generator.RATE_HZ, generator.ENCODER_NOISE, 5.0
 JOINTS = Pose(Chain.of(arm(), "ft"), np.full(6, NOISE), np.full(6, DENSITY))
 
 
-def start(seed: int, per_hour: float = 1.0) -> Start:
+def start(seed: int) -> Start:
     static = case(seed).static
     believed = np.sqrt(np.diag(static_prior(None).covariance))
-    return Start(JOINTS, static.gravity, -1, STD, static_prior(static), believed, per_hour)
+    return Start(JOINTS, static.gravity, -1, STD, static_prior(static), believed)
 
 
 def run(live: Live, q: Array, wrench: Array, sizes: Sequence[int] = (1000,), first: float = 0.0):
@@ -175,8 +177,7 @@ def test_a_state_that_is_told_lasts() -> None:
 
 
 def test_a_push_is_seen_timed_and_measured_and_does_not_change_the_payload() -> None:
-    live = Live(start(0))
-    run(live, *case(0).excitation)
+    live = deepcopy(excited(0)[0])
     before = live.fit.estimate(True)
     q, wrench, pushes = pushed(0)
     found, known = run(live, q, wrench, sizes=(10,), first=100.0)
@@ -202,9 +203,9 @@ def test_a_push_is_seen_timed_and_measured_and_does_not_change_the_payload() -> 
 def test_alarms_without_contact_are_as_rare_as_stated() -> None:
     """One sample in a hundred, over seeds: in fast motion after the excitation, and at rest."""
     share, rest = [], []
-    for seed in range(8):
-        live = Live(start(seed, per_hour=0.01 * 3600 * RATE))
-        run(live, *case(seed).excitation)
+    for seed in range(5):
+        live = deepcopy(excited(seed)[0])
+        live.limit = false_alarm_limit(0.01)
         q, dq, ddq = generator.wrist_motion(stream(seed, "fast"))
         body = case(seed).body
         logged = generator.measured(q, generator.simulate(body, q, dq, ddq), stream(seed, "noise of fast"))
@@ -269,8 +270,7 @@ def test_a_joint_that_starts_to_move_is_no_contact(way: float) -> None:
     u = np.clip(t - 1.5, 0.0, 1.0)
     angle, rate = 10 * u**3 - 15 * u**4 + 6 * u**5, 30 * u**2 - 60 * u**3 + 30 * u**4
     blend = way * np.array([angle, rate, 60 * u - 180 * u**2 + 120 * u**3])
-    live = Live(start(0))
-    run(live, *case(0).excitation)
+    live = deepcopy(excited(0)[0])
     for joint in range(6):
         state = np.zeros((3, len(t), 6))
         state[0] = generator.WORK

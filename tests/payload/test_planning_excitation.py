@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 @cache
 def planned(gravity: bool = True) -> tuple[Task, list[Array]]:
-    """Motions from three starts."""
+    """Motions from two starts."""
     task, rng = task_of(), np.random.default_rng(1)
-    return task, [improve(task, random_motion(task, rng, 0.8), gravity=gravity) for _ in range(3)]
+    return task, [improve(task, random_motion(task, rng, 0.8), gravity=gravity) for _ in range(2)]
 
 
 def quality(task: Task, x: Array) -> float:

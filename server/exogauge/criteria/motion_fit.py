@@ -28,7 +28,9 @@ class MotionFit:
     fewest: markers that say how pelvis and thorax lie. rigid_line: m, second singular value over the square root of
     the number of points: less is a line. bad_rms: a marker that misses by more is told. no_body_rms: of all markers,
     beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7. least_seen: share of
-    frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once.
+    frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once. at_once: that
+    are tracked at once, beside: and looked at before and after them; what is 2 s away says nothing of a posture.
+    most_frames: at 200 Hz a quarter of an hour, which takes 3 GB.
     """
 
     scale_sd: float = 0.15
@@ -66,6 +68,9 @@ class MotionFit:
     no_body_rms: float = 0.03
     least_seen: float = 0.5
     chunk: int = 512
+    at_once: int = 5000
+    beside: int = 400
+    most_frames: int = 200_000
 
 
 USUAL = MotionFit()

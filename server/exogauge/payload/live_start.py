@@ -64,12 +64,16 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
             prior = _after(stages.excitation.chosen, prior, settings.zero)
     else:
         sign = stated_sign(payload)
-    std, density = _channels(payload, criteria)
-    chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
-        Pose(chain, std, density, _even_period(payload)), gravity, sign, std_of(payload), prior, believed,
+        pose_of(payload, criteria), gravity, sign, std_of(payload), prior, believed,
         settings.false_alarms_per_hour, criteria, late, calibration, in_doubt,
     )  # fmt: skip
+
+
+def pose_of(payload: Payload, criteria: Criteria = USUAL) -> Pose:
+    """Its channels, with the noise and the jerk that its logs show."""
+    chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
+    return Pose(chain, *_channels(payload, criteria), _even_period(payload))
 
 
 def _in_doubt(found: Evaluation) -> tuple[str, ...]:

@@ -101,16 +101,22 @@ class Chain:
     def motion(self, time: Array, state: Array, roots: Array, gravity: Array) -> SensorMotion:
         """state: (T, J, 3) q, q̇, q̈. roots: (J, 3, 3) or (T, J, 3, 3) of the covariance of its errors."""
         T, joints = state.shape[:2]
-        rotation, out, slopes = np.empty((T, 3, 3)), np.empty((T, 9)), np.empty((T, joints, 9, 3))
-        end_motion(*self.constants, np.ascontiguousarray(gravity), np.ascontiguousarray(state), rotation, out, slopes)
+        rotation, out, slopes = self.kinematics(np.moveaxis(state, 2, 0), gravity)
         noise = np.moveaxis(slopes @ roots, 1, 2).reshape(T, 9, 3 * joints)
         a = out[:, :3] + np.einsum("tji,j->ti", rotation, gravity)
         return SensorMotion(time, rotation, a, out[:, 3:6], out[:, 6:], noise)
 
+    def kinematics(self, states: Array, gravity: Array) -> tuple[Array, Array, Array]:
+        """states: (3, T, J) q, q̇, q̈. (T, 3, 3) R_BS, (T, 9) a - g, α, ω in {S}, and (T, J, 9, 3) slopes of these."""
+        T, joints = states.shape[1:]
+        rotation, out, slopes = np.empty((T, 3, 3)), np.empty((T, 9)), np.empty((T, joints, 9, 3))
+        state = np.ascontiguousarray(np.moveaxis(states, 0, 2))
+        end_motion(*self.constants, np.ascontiguousarray(gravity), state, rotation, out, slopes)
+        return rotation, out, slopes
+
     def rotations(self, angles: Array) -> Array:
         """(T, 3, 3) R_BS at joint angles (T, J)."""
-        state, exact = np.stack([angles, 0 * angles, 0 * angles], axis=2), np.zeros((angles.shape[1], 3, 3))
-        return self.motion(np.zeros(len(angles)), state, exact, np.zeros(3)).rotation
+        return self.kinematics(np.stack([angles, 0 * angles, 0 * angles]), np.zeros(3))[0]
 
 
 def from_joints(

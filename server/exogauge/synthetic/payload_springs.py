@@ -50,27 +50,29 @@ def slides(model: mujoco.MjModel, q: Array, rate_hz: float) -> tuple[Array, Arra
     Semi-implicit Euler; the arm's motion is a spline through its samples. It begins at rest, sagged."""
     J, S = q.shape[1], model.nv - q.shape[1]
     data, time = mujoco.MjData(model), np.arange(len(q)) / rate_hz
+    h = 1.0 / (rate_hz * SUBSTEPS)
     course = CubicSpline(time, q)
+    arm = np.stack([course((time[:, None] + h * np.arange(SUBSTEPS)).ravel(), order) for order in range(3)], axis=1)
     M = np.zeros((model.nv, model.nv))
 
-    def acceleration(t: float, s: Array, v: Array) -> Array:
-        data.qpos[:], data.qvel[:] = np.concatenate([course(t), s]), np.concatenate([course(t, 1), v])
+    def force(k: int, s: Array, v: Array) -> Array:
+        data.qpos[:J], data.qpos[J:] = arm[k, 0], s
+        data.qvel[:J], data.qvel[J:] = arm[k, 1], v
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fullM(model, data, M)
-        force = data.qfrc_passive[J:] - data.qfrc_bias[J:] - M[J:, :J] @ course(t, 2)
-        return np.asarray(np.linalg.solve(M[J:, J:], force))
+        return np.asarray(data.qfrc_passive[J:] - data.qfrc_bias[J:] - M[J:, :J] @ arm[k, 2])
 
     s, v = np.zeros(S), np.zeros(S)
     stiffness = model.jnt_stiffness[J:]
     for _ in range(SETTLING):
-        held = acceleration(0.0, s, np.zeros(S))
-        s = s + np.asarray(M[J:, J:] @ held) / stiffness
+        s = s + force(0, s, np.zeros(S)) / stiffness
+    heavy = np.linalg.inv(M[J:, J:])  # of slides across each other: their body's mass, wherever they are
     out = np.empty((3, len(q), S))
-    h = 1.0 / (rate_hz * SUBSTEPS)
-    for k, t in enumerate(time):
-        out[0, k], out[1, k], out[2, k] = s, v, acceleration(t, s, v)
-        for n in range(SUBSTEPS):
-            v = v + h * acceleration(t + n * h, s, v)
-            s = s + h * v
+    for k in range(len(arm)):
+        a = heavy @ force(k, s, v)
+        if k % SUBSTEPS == 0:
+            out[:, k // SUBSTEPS] = s, v, a
+        v = v + h * a
+        s = s + h * v
     return out[0], out[1], out[2]

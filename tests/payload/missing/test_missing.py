@@ -81,8 +81,8 @@ def test_a_zero_that_jumps_is_named_with_its_moment(found_in):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("hidden", "effect", "place"), [
-    ("zero_of_log@fast", "zero_of_log", "fast"), ("zero_drift", "zero_drift", "sensor"),
-    ("crosstalk@my_fx", "crosstalk", "my of fx"), ("gain@fz", "gain", "fz"), ("spring", "spring", "xy"),
+    ("zero_of_log@fast", "zero_of_log", "fast"), ("zero_drift", "zero_drift", "sensor"), ("gain@fz", "gain", "fz"),
+    pytest.param("crosstalk@my_fx", "crosstalk", "my of fx", marks=pytest.mark.thorough), ("spring", "spring", "xy"),
 ])  # fmt: skip
 def test_what_is_hidden_is_named_with_its_size(found_in, hidden, effect, place):
     evaluation, folder = found_in(4, hidden)
@@ -95,7 +95,9 @@ def test_what_is_hidden_is_named_with_its_size(found_in, hidden, effect, place):
     assert finding.after < 1.05 < finding.before
 
 
-HIDDEN = ["delay", "gain@fz", "crosstalk@my_fx", "zero_step@excitation", "spring"]
+HIDDEN = [
+    "delay", "gain@fz", pytest.param("crosstalk@my_fx", marks=pytest.mark.thorough), "zero_step@excitation", "spring",
+]  # fmt: skip
 
 
 @pytest.mark.slow
@@ -146,7 +148,7 @@ def test_mu_says_the_cause_that_was_named():
     assert "do not hold" in verdict_of(replace(missing, decision=Decision("effects", "nothing", None)))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_damping_is_not_less_by_what_the_smoother_took_away(found_in):
     """By the fast part of smoothed accelerations it comes out at 55 to 94 % of the truth."""
     off_by, shares = [], []
@@ -161,7 +163,7 @@ def test_damping_is_not_less_by_what_the_smoother_took_away(found_in):
     assert np.max(shares, axis=0)[1] < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_stands_in_no_list_is_unexplained(found_in):
     evaluation, _ = found_in(4, "hose")
     missing = evaluation.missing
@@ -170,7 +172,7 @@ def test_what_stands_in_no_list_is_unexplained(found_in):
     assert "nothing here explains" in results(evaluation).missing.said
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_body_that_hangs_loose_is_named_or_unexplained_and_its_size_not_told_where_errors_look_like_it(found_in):
     evaluation, folder = found_in(8, "second_body")
     missing = evaluation.missing

@@ -28,18 +28,19 @@ class _Bone:
     length: float = 0.0
 
 
-def read_amc(path: Path, skeleton: Path | None) -> Captured:
-    """Raises BadMotion."""
+def read_amc(path: Path, skeleton: Path | None, said: str | None = None) -> Captured:
+    """Raises BadMotion. Turns are in the unit that is said, else that of the AMC's own head, else that of the ASF."""
     if skeleton is None:
         raise fault(path, "an AMC file holds angles and no bones", "no_skeleton", "Give its ASF file too")
-    unit, angle, bones, hierarchy = _bones(skeleton)
-    frames = _frames(path, bones)
+    unit, degrees, bones, hierarchy = _bones(skeleton)
+    own, frames = _frames(path, bones)
+    turned = {"deg": True, "rad": False}.get(said or own, degrees)
     names = ("root", *[name for name in _ordered(skeleton, hierarchy) if name in bones and name != "root"])
     parent = np.array([-1, *[names.index(hierarchy[name]) for name in names[1:]]], dtype=np.intp)
     size = len(frames)
     local, offset, end = np.empty((size, len(names), 3, 3)), np.zeros((len(names), 3)), np.zeros((len(names), 3))
     rest = np.empty((len(names), 3, 3))
-    world = [Rotation.from_euler("xyz", bones[name].axis, degrees=angle) for name in names]
+    world = [Rotation.from_euler("xyz", bones[name].axis, degrees=degrees) for name in names]
     root = np.zeros((size, 3))
     for j, name in enumerate(names):
         above = Rotation.identity() if parent[j] < 0 else world[parent[j]]
@@ -52,7 +53,7 @@ def read_amc(path: Path, skeleton: Path | None) -> Captured:
                 root[:, "xyz".index(each[1])] = values
             else:
                 turns[:, "xyz".index(each[1])] = values
-        local[:, j] = (still * Rotation.from_euler("xyz", turns, degrees=angle)).as_matrix()
+        local[:, j] = (still * Rotation.from_euler("xyz", turns, degrees=turned)).as_matrix()
         rest[j] = still.as_matrix()
         end[j] = world[j].inv().apply(bones[name].direction) * bones[name].length
         offset[j] = 0.0 if parent[j] < 0 else end[parent[j]]
@@ -120,13 +121,16 @@ def _ordered(path: Path, hierarchy: dict[str, str]) -> list[str]:
     return order
 
 
-def _frames(path: Path, bones: dict[str, _Bone]) -> list[dict[str, list[float]]]:
+def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, list[float]]]]:
+    """deg, rad or nothing, as the head says; numbers by bone."""
     frames: list[dict[str, list[float]]] = []
+    unit = ""
     lines = lines_of(path)
     moved = {name for name, bone in bones.items() if bone.dof}
     for row, line in enumerate(lines, start=1):
         words = line.split()
         if not words or words[0][0] in "#:":
+            unit = {":DEGREES": "deg", ":RADIANS": "rad"}.get(line.strip().upper(), unit)
             continue
         if len(words) == 1 and words[0].isdigit():
             if int(words[0]) != len(frames) + 1:
@@ -147,4 +151,4 @@ def _frames(path: Path, bones: dict[str, _Bone]) -> list[dict[str, list[float]]]
         lost = sorted(moved - set(frames[short])) if short is not None else []
         raise fault(path, f"frame {(short or 0) + 1} lacks bones: {', '.join(lost[:3]) or 'all'}", "frame_cut",
                     "The file was cut off, or belongs to another skeleton", row=len(lines))  # fmt: skip
-    return frames
+    return unit, frames

@@ -69,7 +69,7 @@ def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> 
     if kind == ".amc":
         from exogauge.motion.files.acclaim import read_amc
 
-        return read_amc(path, skeleton)
+        return read_amc(path, skeleton, angle)
     raise fault(path, "no such format of motion is known", "unknown_format", "C3D, TRC, MOT, STO, BVH or AMC",
                 value=path.suffix or None)  # fmt: skip
 

@@ -28,6 +28,16 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
 
     static: the same person standing straight with the same markers; its trunk is the zero of the trunk's angles.
     """
+    if len(motion.time) > criteria.most_frames:
+        detail, advice = f"no body is fitted to more than {criteria.most_frames} frames", "Cut the motion"
+        raise BadMotion(Fault(detail, "too_long", advice, motion.name, value=str(len(motion.time))))
+    fit = _fitted(motion, static, criteria)
+    if motion.markers is not None and fit.rms > criteria.no_body_rms:
+        _refuse(motion, static, fit.rms, criteria)
+    return fit
+
+
+def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit) -> HumanFit:
     body = human_body()
     observed = observe(motion, body, criteria)
     chosen = _spread(observed, criteria.frames)
@@ -48,8 +58,6 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
     at = pose(body, q, shared.scale)
     miss = observed.position - places(at, observed.points, shared.scale, offset)
     residual = np.sqrt(np.nanmean(np.sum(miss**2, axis=2), axis=0))
-    if motion.markers is not None and (left := float(np.sqrt(np.mean(residual**2)))) > criteria.no_body_rms:
-        _refuse(motion, static, left, criteria)
     ends = Points(
         np.array([body.part[part] for part in ENDS], dtype=np.intp), np.array(list(ENDS.values())),  # type: ignore[index]
         np.array([[SCALES.index(part[2:])] * 3 for part in ENDS]),
@@ -69,12 +77,8 @@ def _refuse(motion: HumanMotion, static: HumanMotion | None, left: float, criter
     """Raises BadMotion; where the mirrored motion is a body's, with that. left: [m] rms."""
     detail = f"no body fits these markers: {100 * left:.1f} cm rms are left"
     advice = "See to their names, the unit and the vertical axis; give a static trial"
-    try:
-        fit_human(
-            mirrored(motion), None if static is None else mirrored(static), replace(criteria, no_body_rms=left / 2)
-        )
-    except BadMotion:
-        raise BadMotion(Fault(detail, "no_body", advice, motion.name)) from None
+    if _fitted(mirrored(motion), None if static is None else mirrored(static), criteria).rms > left / 2:
+        raise BadMotion(Fault(detail, "no_body", advice, motion.name))
     detail += ", and less than half of that in a mirror"
     advice = "Left and right are exchanged in the markers' names, or one axis of the file points the other way"
     raise BadMotion(Fault(detail, "mirrored", advice, motion.name))
@@ -123,7 +127,7 @@ def _joined(first: Observed, then: Observed) -> Observed:
 def _told(observed: Observed, shared: Shared, offset: Array, residual: Array, criteria: MotionFit) -> dict[str, str]:
     told = {}
     bound = [f"{name} {value:.2f}" for name, value in _named(shared.scale).items()
-             if not criteria.least_scale < value < criteria.largest_scale]  # fmt: skip
+             if name != "lumbar_depth" and not criteria.least_scale < value < criteria.largest_scale]  # fmt: skip
     if bound:
         told["scale_at_bound"] = f"{', '.join(bound)}: unit, labels or a part without markers"
     bad = [m for m in np.argsort(-residual) if residual[m] > criteria.bad_rms]

@@ -69,8 +69,9 @@ def observe(motion: HumanMotion, body: HumanBody, criteria: MotionFit) -> Observ
     for part in ("pelvis", "thorax"):
         count = sum(each == part and bool(sure) for each, sure in zip(segment, known, strict=True))
         if count < criteria.fewest:
+            advice = "Label them as Plug-in Gait, CMU, OpenCap or OptiTrack do"
             raise _fault(motion, f"{count} markers of known place are seen on the {part}, {criteria.fewest} are needed",
-                         "too_few_markers", "Label them as Plug-in Gait, CMU or OpenCap do", column=part)  # fmt: skip
+                         "too_few_markers", advice, column=part)  # fmt: skip
         on = np.array([each == part for each in segment]) & known
         enough = seen[:, np.array(kept)[on]].sum(axis=1) >= criteria.fewest
         if enough.mean() < criteria.least_seen:

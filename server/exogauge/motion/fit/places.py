@@ -13,25 +13,30 @@ from exogauge.motion.fit.body import FOREARM, HIP, SHANK, THIGH, UPPER_ARM
 Place = tuple[float, float, float]
 
 LANDMARKS: Mapping[str, Place] = {
-    "{s}ASI {s}.ASIS": (0.08, 0.128, 0.07), "{s}PSI {s}.PSIS": (-0.09, 0.05, 0.10), "SACR": (-0.10, 0.0, 0.10),
-    "{s}FWT": (0.09, 0.12, 0.08), "{s}BWT": (-0.10, 0.06, 0.10), "{s}_HJC {s}_HJC_REG": HIP,
-    "C7": (-0.06, 0.0, 0.43), "CLAV": (0.06, 0.0, 0.36), "STRN": (0.10, 0.0, 0.21), "T10": (-0.10, 0.0, 0.19),
-    "{s}SHO {s}_SHOULDER": (-0.01, 0.17, 0.40), "{s}_STERNUM": (0.06, 0.025, 0.36),
-    "{s}FHD": (0.10, 0.07, 0.17), "{s}BHD": (-0.08, 0.07, 0.17), "ARIEL": (0.0, 0.0, 0.24),
-    "{s}ELB {s}_ELBOW_LAT": (0.0, 0.04, -UPPER_ARM), "{s}IEL {s}_ELBOW_MED": (0.0, -0.04, -UPPER_ARM),
+    "{s}ASI {s}.ASIS WAIST{s}FRONT": (0.08, 0.128, 0.07), "{s}PSI {s}.PSIS": (-0.09, 0.05, 0.10),
+    "SACR": (-0.10, 0.0, 0.10), "{s}FWT": (0.09, 0.12, 0.08), "{s}BWT": (-0.10, 0.06, 0.10), "{s}_HJC {s}_HJC_REG": HIP,
+    "C7 BACKTOP SPINETOP": (-0.06, 0.0, 0.43), "CLAV": (0.06, 0.0, 0.36), "STRN": (0.10, 0.0, 0.21),
+    "T10": (-0.10, 0.0, 0.19), "{s}SHO {s}_SHOULDER {s}SHOULDERTOP": (-0.01, 0.17, 0.40),
+    "{s}_STERNUM": (0.06, 0.025, 0.36),
+    "{s}FHD": (0.10, 0.07, 0.17), "{s}BHD": (-0.08, 0.07, 0.17), "ARIEL HEADTOP": (0.0, 0.0, 0.24),
+    "{s}ELB {s}_ELBOW_LAT {s}ELBOWOUT": (0.0, 0.04, -UPPER_ARM),
+    "{s}IEL {s}_ELBOW_MED {s}ELBOWIN": (0.0, -0.04, -UPPER_ARM),
     "{s}WRA {s}_WRIST_RADIUS {s}IWR": (0.03, 0.0, -FOREARM), "{s}WRB {s}_WRIST_ULNA {s}OWR": (-0.03, 0.0, -FOREARM),
     "{s}FIN": (0.0, 0.02, -0.085), "{s}IHAND": (0.04, 0.0, -0.08), "{s}OHAND": (-0.04, 0.0, -0.08),
-    "{s}KNE {s}_KNEE": (0.0, 0.055, -THIGH), "{s}KNI {s}_MKNEE": (0.0, -0.055, -THIGH),
-    "{s}ANK {s}_ANKLE": (-0.01, 0.04, -SHANK), "{s}_MANKLE": (0.0, -0.04, -SHANK),
-    "{s}HEE {s}HEL {s}_CALC": (-0.06, 0.0, -0.03), "{s}TOE {s}_TOE": (0.14, 0.0, -0.035),
-    "{s}MT5 {s}_5META": (0.10, 0.045, -0.05), "{s}MT1": (0.12, -0.04, -0.045), "{s}LATFOOT": (0.05, 0.045, -0.05),
+    "{s}KNE {s}_KNEE {s}KNEEOUT": (0.0, 0.055, -THIGH), "{s}KNI {s}_MKNEE {s}KNEEIN": (0.0, -0.055, -THIGH),
+    "{s}ANK {s}_ANKLE {s}ANKLEOUT": (-0.01, 0.04, -SHANK), "{s}_MANKLE {s}ANKLEIN": (0.0, -0.04, -SHANK),
+    "{s}HEE {s}HEL {s}_CALC {s}HEEL {s}HEELBACK": (-0.06, 0.0, -0.03), "{s}TOE {s}_TOE": (0.14, 0.0, -0.035),
+    "{s}MT5 {s}_5META {s}TOEOUT {s}FOREFOOTOUT": (0.10, 0.045, -0.05),
+    "{s}MT1 {s}TOEIN {s}FOREFOOTIN": (0.12, -0.04, -0.045), "{s}LATFOOT": (0.05, 0.045, -0.05),
 }  # fmt: skip
 LOOSE: Mapping[str, Place] = {
     "{s}MWT": (0.0, 0.16, 0.11), "{s}FSH": (0.06, 0.17, 0.36), "{s}BSH": (-0.06, 0.17, 0.36),
     "{s}BAC": (-0.1, 0.1, 0.3),
-    "{s}UPA {s}_HUMERUS": (0.0, 0.05, -0.15), "{s}FRM {s}_FOREARM {s}WRE": (0.0, 0.04, -0.12),
-    "{s}THI": (0.0, 0.09, -0.2), "{s}HIP": (0.0, 0.08, -0.1), "{s}TIB {s}SHN": (0.03, 0.03, -0.2),
+    "{s}UPA {s}_HUMERUS {s}UARMHIGH {s}ARM": (0.0, 0.05, -0.15), "{s}FRM {s}_FOREARM {s}WRE": (0.0, 0.04, -0.12),
+    "{s}THI {s}THIGH": (0.0, 0.09, -0.2), "{s}HIP": (0.0, 0.08, -0.1), "{s}TIB {s}SHN {s}SHIN": (0.03, 0.03, -0.2),
     "{s}_SHANK_ANTSUP": (0.045, 0.0, -0.09),
+    "WAIST{s}BACK": (-0.06, 0.11, 0.10), "CHEST": (0.08, 0.0, 0.31),  # as OptiTrack's documentation places them
+    "BACK{side} BACK{s}": (-0.10, 0.09, 0.19), "{s}SHOULDERBACK": (-0.06, 0.15, 0.37), "HEADFRONT": (0.11, 0.0, 0.17),
 }  # fmt: skip
 
 
@@ -42,10 +47,10 @@ def place_of(label: str) -> tuple[Place, bool] | None:
 
 def _sides(table: Mapping[str, Place], landmark: bool) -> dict[str, tuple[Place, bool]]:
     return {
-        label.format(s=letter): ((x, side * y, z), landmark)
+        label.format(s=letter, side=name): ((x, side * y, z), landmark)
         for labels, (x, y, z) in table.items()
         for label in labels.split()
-        for letter, side in (("L", 1.0), ("R", -1.0))
+        for letter, name, side in (("L", "LEFT", 1.0), ("R", "RIGHT", -1.0))
     }
 
 

@@ -1,6 +1,8 @@
-"""All frames at once, body and points fixed: angles that fit and do not jerk."""
+"""All frames, body and points fixed: angles that fit and do not jerk."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +23,24 @@ def track(
     """(T, K) that minimises Σ |x − p(q)|² / σ² + Σ |q_{t+1} − 2 q_t + q_{t−1}|² / (S Δt³) + stated angles.
 
     The second is a motion that white acceleration of density S drives; no frame is pulled to the one before.
-    q: (T, K) to start from. Gauss-Newton; frames are coupled by the second differences alone, so the normal equations
-    are one band of 2 K.
+    q: (T, K) to start from. Of a long motion `at_once` frames at a time, with `beside` of those before and after.
     """
+    out, T = np.empty_like(q), len(q)
+    for start in range(0, T, criteria.at_once):
+        stop = min(start + criteria.at_once, T)
+        part = slice(max(start - criteria.beside, 0), stop + criteria.beside)
+        some = replace(observed, position=observed.position[part], mean=observed.mean[part],
+                       weight=observed.weight[part])  # fmt: skip
+        found = _tracked(body, some, q[part], scale, offset, noise, rate, criteria)
+        out[start:stop] = found[start - part.start : stop - part.start]
+    return out
+
+
+def _tracked(
+    body: HumanBody, observed: Observed, q: Array, scale: Array, offset: Array, noise: float, rate: float,
+    criteria: MotionFit,
+) -> Array:  # fmt: skip
+    """Gauss-Newton; frames are coupled by the second differences alone, so the normal equations are one band of 2 K."""
     T, K = q.shape
     P_q = observed.weight + criteria.angle_sd**-2.0
     smooth = noise**2 * rate**3 / criteria.acceleration

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.payload.missing.stretch import Stretch
 from exogauge.payload.statics import upright
-from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
 
@@ -30,11 +30,11 @@ class Frame:
 
     def tilting(self, stretch: Stretch) -> Array:
         """(T, 6, 2) of a turn of gravity by 1 rad about two axes across it: x and y of a base that stands."""
-        still, columns = np.zeros((len(stretch.wrench), 3)), []
-        for axis in upright(self.gravity)[:2]:
-            tipped = -np.einsum("tji,j->ti", stretch.motion.rotation, np.cross(axis, self.gravity))
-            columns.append(self.sign * wrench_columns(tipped, still, still) @ self.body)
-        return np.stack(columns, axis=2)
+        turned = np.cross(upright(self.gravity)[:2], self.gravity).T
+        tipped = -np.swapaxes(stretch.motion.rotation, 1, 2) @ turned
+        return np.concatenate(
+            [self.sign * self.body[0] * tipped, self.sign * pin.skew(self.body[1:4]) @ tipped], axis=1
+        )
 
 
 Columns = Callable[[Frame, Stretch, Sequence[float]], Array]

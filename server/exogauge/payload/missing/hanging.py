@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bilinear, lfilter, lfilter_zi
+from scipy.signal import lfilter
 
 from exogauge.criteria.judging import CARRYING as USUAL
 from exogauge.criteria.judging import Carrying
@@ -59,27 +59,42 @@ def second_body(criteria: Carrying = USUAL) -> Effect:
 
 def hung(stretch: Stretch, p: Array, shape: Sequence[float], axes: str) -> Array:
     """(T, 6) wrench of 1 kg that hangs at p beyond that of 1 kg fixed there, s = +1. shape: frequency [Hz], z."""
-    alpha, omega = stretch.motion.alpha, stretch.motion.omega
-    free = np.array([each in axes for each in "xyz"])
-    b = stretch.proper + np.cross(alpha, p) + np.cross(omega, np.cross(omega, p))
-    s = np.where(free, _sag(b, stretch, shape), 0.0)
-    rate = np.zeros_like(s) if stretch.still else np.gradient(s, stretch.time, axis=0)
-    felt = b + 2 * np.cross(omega, rate) + np.cross(alpha, s) + np.cross(omega, np.cross(omega, s))
-    s = np.where(free, _sag(felt, stretch, shape), 0.0)
-    f = np.where(free, _filtered(felt, stretch, shape, passing=True), felt)
-    return np.hstack([f - b, np.cross(p + s, f) - np.cross(p, b)])
+    free, turning, omega = np.array([each in axes for each in "xyz"]), stretch.turning, stretch.motion.omega
+    b = stretch.proper + turning @ p
+    s = _sag(b, stretch, shape, free)
+    felt = b + (turning @ s[:, :, None])[:, :, 0]
+    if not stretch.still:
+        felt += 2.0 * _cross(omega, np.gradient(s, stretch.time, axis=0))
+    s = _sag(felt, stretch, shape, free)
+    f = np.where(free, _passed(felt, stretch, shape), felt)
+    return np.hstack([f - b, _cross(p + s, f) - _cross(p, b)])
 
 
-def _sag(b: Array, stretch: Stretch, shape: Sequence[float]) -> Array:
-    return -_filtered(b, stretch, shape, passing=False) / (2 * np.pi * shape[0]) ** 2
+def _sag(b: Array, stretch: Stretch, shape: Sequence[float], free: NDArray[np.bool_]) -> Array:
+    w = 2 * np.pi * shape[0]
+    return np.where(free, -_filtered(b, stretch, shape, (0.0, w**2)) / w**2, 0.0)
 
 
-def _filtered(values: Array, stretch: Stretch, shape: Sequence[float], *, passing: bool) -> Array:
-    """(T, 3) (2 z w s + w²) / N of values where passing, else w² / N; from rest at the first. Postures are at rest."""
+def _passed(b: Array, stretch: Stretch, shape: Sequence[float]) -> Array:
+    w = 2 * np.pi * shape[0]
+    return _filtered(b, stretch, shape, (2 * shape[1] * w, w**2))
+
+
+def _filtered(values: Array, stretch: Stretch, shape: Sequence[float], over: tuple[float, float]) -> Array:
+    """(T, 3) (b s + c) / N of values, b and c those of `over`, by the bilinear transform; from rest at the first.
+    Postures are at rest."""
     if stretch.still:
         return values
     frequency, z = shape
-    w = 2 * np.pi * frequency
-    rate = 1.0 / float(np.median(np.diff(stretch.motion.time)))
-    b, a = bilinear([2 * z * w, w**2] if passing else [w**2], [1.0, 2 * z * w, w**2], rate)
-    return np.asarray(lfilter(b, a, values, axis=0, zi=lfilter_zi(b, a)[:, None] * values[0])[0])
+    w, k = 2 * np.pi * frequency, 2.0 * (len(stretch.time) - 1) / float(stretch.time[-1] - stretch.time[0])
+    (b, c), scale = over, k**2 + 2 * z * w * k + w**2
+    a = np.array([1.0, 2.0 * (w**2 - k**2) / scale, (k**2 - 2 * z * w * k + w**2) / scale])
+    d = np.array([b * k + c, 2.0 * c, c - b * k]) / scale
+    rest = np.array([d[1] - a[1] + d[2] - a[2], d[2] - a[2]])  # it passes what is constant
+    return np.asarray(lfilter(d, a, values, axis=0, zi=rest[:, None] * values[0])[0])
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """(T, 3) a x b, of (T, 3) or (3,)."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

@@ -23,19 +23,22 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Stretch:
     """name: of the log. motion, wrench (T, 6) [N, N·m]. floor: (6,) std of a sample by noise of sensor and kinematics.
-    rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}. still: means of postures. use: (T,) which
-    samples count. memory: how many of them count as one. block: samples whose mean is one row."""
+    rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}; turning: (T, 3, 3) [1/s²] what p adds to
+    that at p. still: means of postures. use: (T,) which samples count. memory: how many of them count as one. block:
+    samples whose mean is one row. session: (T,) [s] since the first log began; None where clocks say nothing of it."""
 
     name: str
     motion: SensorMotion
     wrench: Array
     rigid: Array
     proper: Array
+    turning: Array
     floor: Array
     use: NDArray[np.bool_]
     still: bool = False
     memory: float = 1.0
     block: int = 1
+    session: Array | None = None
 
     @property
     def time(self) -> Array:
@@ -44,6 +47,10 @@ class Stretch:
 
     def using(self, which: NDArray[np.bool_]) -> Stretch:
         return replace(self, use=self.use & which)
+
+    def inside(self, late: float) -> NDArray[np.bool_]:
+        """(T,) whether the log tells of the time `late` [s] before a sample."""
+        return np.asarray((self.time - late >= self.time[0]) & (self.time - late <= self.time[-1]))
 
     def without(self, spans: Sequence[tuple[float, float]]) -> Stretch:
         """spans: from, to [s] of what does not count."""
@@ -89,4 +96,5 @@ def still_stretch(holds: Holds, gravity: Array, sign: int, criteria: Carrying = 
 
 def _stretch(name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, floor: Array) -> Stretch:
     rigid, proper = np.asarray(sign * motion.regressor(gravity)), motion.proper_acceleration(gravity)
-    return Stretch(name, motion, wrench, rigid, proper, floor, np.ones(len(wrench), dtype=bool))
+    turning = sign * rigid[:, :3, 1:4]  # of 1 kg
+    return Stretch(name, motion, wrench, rigid, proper, turning, floor, np.ones(len(wrench), dtype=bool))

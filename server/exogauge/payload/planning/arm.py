@@ -14,7 +14,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.errors import BadStudy, Fault
+from exogauge.payload.sensor_motion import Chain
 from exogauge.robots.regressor import wrench_columns
+from exogauge.robots.urdf import load_tree
 from exogauge.robots.urdf_check import read_urdf
 
 Array = NDArray[np.float64]
@@ -96,6 +98,8 @@ class Arm:
         pin.framesForwardKinematics(model, data, pin.neutral(model))
         self.R_base: Array = data.oMf[_frame(model, base_link)].rotation.copy()
         self.gravity: Array = np.asarray(gravity, np.float64)
+        tree = load_tree(urdf, joints=joints, base_link=base_link, floating=False, file=file)
+        self.chain = Chain.of(tree, frame)
         model.gravity.linear = self.R_base @ self.gravity
         at = model.frames[self.frame]
         model.inertias[at.parentJoint] += at.placement.act(component.inertia)
@@ -120,54 +124,30 @@ class Arm:
 
     def rotations(self, angles: Array) -> Array:
         """(T, 3, 3) R_BS at the chosen joints' angles (T, n)."""
-        out = np.empty((len(angles), 3, 3))
-        for k, q in enumerate(self._inner(self.posture(angles))):
-            pin.forwardKinematics(self.model, self.data, q)
-            out[k] = pin.updateFramePlacement(self.model, self.data, self.frame).rotation
-        return np.asarray(self.R_base.T @ out)
+        return self.chain.rotations(self.posture(angles))
 
     def moving(self, q: Array, dq: Array, ddq: Array, *, slopes: bool = False) -> Moving:
-        """q, dq, ddq: (T, n) of the chosen joints. Kinematics of pinocchio, of {S} against {B}."""
-        T, J, n, model, data = len(q), len(self.joints), len(self.moved), self.model, self.data
-        at, still = self.order[self.moved], np.zeros((T, J))
-        rotation, state, torque = np.empty((T, 3, 3)), np.empty((T, 9)), np.empty((T, J))
-        by_state = np.empty((T, 9, n, 3)) if slopes else None
-        by_torque = np.empty((T, J, n, 3)) if slopes else None
-        by_axis = np.empty((T, 3, 3, n)) if slopes else None
-        full_q = self._inner(self.posture(q))
-        full_v, full_a = still.copy(), still.copy()
-        full_v[:, at], full_a[:, at] = dq, ddq
-        for t in range(T):
-            arguments = (model, data, full_q[t], full_v[t], full_a[t])
-            if by_torque is not None:
-                parts = pin.computeRNEADerivatives(*arguments)
-                for k, part in enumerate(parts):
-                    by_torque[t, :, :, k] = part[np.ix_(self.order, at)]
-                torque[t] = data.tau[self.order]
-                pin.computeForwardKinematicsDerivatives(*arguments)
+        """q, dq, ddq: (T, n) of the chosen joints."""
+        moved, model, data = self.moved, self.model, self.data
+        states = np.zeros((3, len(q), len(self.joints)))
+        states[0], states[1][:, moved], states[2][:, moved] = self.posture(q), dq, ddq
+        rotation, state, by_joint = self.chain.kinematics(states, self.gravity)
+        torque, by_torque = np.empty(states.shape[1:]), None
+        if slopes:
+            by_torque = np.empty((len(q), 3, len(self.joints), len(self.joints)))
+        for t, (at, rate, acceleration) in enumerate(zip(*self._inner(states), strict=True)):
+            if by_torque is None:
+                torque[t] = pin.rnea(model, data, at, rate, acceleration)
             else:
-                torque[t] = pin.rnea(*arguments)[self.order]
-                pin.forwardKinematics(*arguments)
-            R = self.R_base.T @ pin.updateFramePlacement(model, data, self.frame).rotation
-            V = pin.getFrameVelocity(model, data, self.frame, pin.LOCAL)
-            A = pin.getFrameAcceleration(model, data, self.frame, pin.LOCAL)
-            v, w, g = V.linear, V.angular, R.T @ self.gravity
-            rotation[t] = R
-            state[t, :3] = A.linear + np.cross(w, v) - g
-            state[t, 3:6], state[t, 6:] = A.angular, w
-            if by_state is not None and by_axis is not None:
-                v_q, a_q, a_v, J_S = (
-                    each[:, at] for each in pin.getFrameAccelerationDerivatives(model, data, self.frame, pin.LOCAL)
-                )
-                W, V_x, g_x = pin.skew(w), pin.skew(v), pin.skew(g)
-                by_state[t, :3, :, 0] = a_q[:3] - V_x @ v_q[3:] + W @ v_q[:3] - g_x @ J_S[3:]
-                by_state[t, :3, :, 1] = a_v[:3] - V_x @ J_S[3:] + W @ J_S[:3]
-                by_state[t, :3, :, 2] = J_S[:3]
-                by_state[t, 3:6, :, 0], by_state[t, 3:6, :, 1], by_state[t, 3:6, :, 2] = a_q[3:], a_v[3:], J_S[3:]
-                by_state[t, 6:, :, 0], by_state[t, 6:, :, 1], by_state[t, 6:, :, 2] = v_q[3:], J_S[3:], 0.0
-                turns = R @ J_S[3:]
-                for axis in range(3):
-                    by_axis[t, :, axis] = -pin.skew(R[:, axis]) @ turns
+                by_torque[t] = pin.computeRNEADerivatives(model, data, at, rate, acceleration)
+                torque[t] = data.tau
+        torque = torque[:, self.order]
+        if by_torque is None:
+            return Moving(rotation, state, torque, None, None, None)
+        by_torque = by_torque[:, :, self.order[:, None], self.order[moved]].transpose(0, 2, 3, 1)
+        by_state = by_joint[:, moved].swapaxes(1, 2)
+        turns = rotation @ by_state[:, 6:, :, 1]
+        by_axis = np.cross(turns[:, :, None], rotation[:, :, :, None], axis=1)
         return Moving(rotation, state, torque, by_state, by_torque, by_axis)
 
     def wrench(self, moving: Moving, sign: int) -> Array:
