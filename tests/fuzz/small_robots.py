@@ -46,7 +46,9 @@ def dahl(dq: np.ndarray, bends: float) -> np.ndarray:
     return found
 
 
-def simulate(floating: bool, seed: int, seconds: float, size: float = 1.5, bends: float = 0.0) -> dict[str, np.ndarray]:
+def simulate(
+    floating: bool, seed: int, seconds: float, size: float = 1.5, bends: float = 0.0, sway: float = 0.6
+) -> dict[str, np.ndarray]:
     """One log: joints that swing up to some rad/s, and on a floating base the body sways. bends: see `dahl`."""
     rng, J = np.random.default_rng(seed), len(JOINTS)
     t = np.arange(0.0, seconds, 1.0 / RATE)
@@ -61,7 +63,7 @@ def simulate(floating: bool, seed: int, seconds: float, size: float = 1.5, bends
     acc, gyro = np.empty((len(t), 3)), np.empty((len(t), 3))
     R_imu, r_imu = pin.utils.rotate("x", 0.4), np.array([0.03, -0.02, 0.05])
     if floating:
-        angle, rate, acceleration = (0.6 * each for each in fourier(rng, t, 3, 0.4))
+        angle, rate, acceleration = (sway * each for each in fourier(rng, t, 3, 0.4))
     for k in range(len(t)):
         if not floating:
             tau[k] = pin.rnea(model, data, q[k], dq[k], ddq[k])

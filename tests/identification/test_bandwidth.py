@@ -97,6 +97,16 @@ def test_a_cutoff_whose_accelerations_are_drowned_in_noise_is_not_taken_though_i
     assert found == pytest.approx(0.2 * log.rate_hz)  # where all are noisy, none is refused for it
 
 
+def test_a_cutoff_at_which_most_accelerations_are_noise_is_not_taken_though_only_it_keeps_most(robot_and_log):
+    robot, log, first = robot_and_log
+
+    def trial(_, hz):
+        fast = hz > 1.5 * first
+        return Trial(-float(np.log(hz)), fast, fast, quiet=False, noise=fast)
+
+    assert choose_cutoff(robot, [log], log.rate_hz, trial) == first
+
+
 def test_the_share_of_an_acceleration_that_is_noise_is_told(make_truth, make_log):
     robot = make_truth(False).robot
     clean = make_log(make_truth(False), seed=1, seconds=20.0, noise=0.0)

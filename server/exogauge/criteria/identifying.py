@@ -122,6 +122,12 @@ class Identifying:
         "of an axis' mean square acceleration that may be noise of its position, where a lower cut-off is at hand",
         derived("drawn once more and taken off, a share r leaves inertias too small by 2 r²: 2 %"),
     )
+    drowned: float = criterion(
+        0.5,
+        "1",
+        "of half of the axes' mean square acceleration that is noise of positions: such a cut-off is not taken",
+        derived("as much noise as motion: inertias come out half as large, and sure"),
+    )
     enough_steady: float = criterion(
         0.25, "1", "of what a joint moves, in steady motion: below, the reader is warned", judgement(HERE)
     )

@@ -49,12 +49,14 @@ class Keeps(IntEnum):
 class Trial:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
     is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: of a log that
-    is held out too. quiet: no axis' acceleration holds more noise of its position than a fit can take off again."""
+    is held out too. quiet: no axis' acceleration holds more noise of its position than a fit can take off again.
+    noise: half of the axes' accelerations are more noise than motion."""
 
     left: float
     keeps_most: bool
     keeps_judged: bool
     quiet: bool = True
+    noise: bool = False
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
@@ -68,8 +70,9 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     Upwards, because a slow motion's positions bear little bandwidth, but what is left out around every turn lasts as
     long as the low-pass: so slow a one may leave no row, or rows in one direction only. Where nothing that is as good
     keeps most of the motion, what keeps it may be worse by 15 %. Where any keeps it whose accelerations are not drowned
-    in noise, only such. Never more than 0.2 of the sampling rate, or than `slowest_hz`, the lowest sampling rate of any
-    log that is to be predicted, bears.
+    in noise, only such; and none at which half of the axes' accelerations are more noise than motion, where a lower one
+    identifies: turns that are sharp again make up for no inertia. Never more than 0.2 of the sampling rate, or than
+    `slowest_hz`, the lowest sampling rate of any log that is to be predicted, bears.
     """
     halvings = 5  # at most: below the positions' own bandwidth by a factor of 32
     suggested, longest = suggested_cutoffs(robot, logs), max(one.samples for one in logs)
@@ -84,6 +87,8 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     tried: dict[float, _Tried] = {}
 
     def drowned(hz: float) -> bool:
+        if tried[hz].noise and any(not one.noise and np.isfinite(one.left) for one in tried.values()):
+            return True
         return not tried[hz].quiet and any(one.quiet and one.keeps is Keeps.BOTH for one in tried.values())
 
     for cutoff_hz, found in _in_turn(trial, log, downwards):
@@ -117,6 +122,7 @@ class _Tried:
     left: float
     keeps: Keeps
     quiet: bool
+    noise: bool = False
 
 
 def _best(tried: Mapping[float, _Tried]) -> float:
@@ -137,7 +143,7 @@ def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> 
     except NotIdentifiable:
         return _Tried(np.inf, Keeps.NEITHER, True)
     both = Keeps.BOTH if found.keeps_judged else Keeps.FITTED
-    return _Tried(found.left, both if found.keeps_most else Keeps.NEITHER, found.quiet)
+    return _Tried(found.left, both if found.keeps_most else Keeps.NEITHER, found.quiet, found.noise)
 
 
 def noise_of_acceleration(robot: Robot, log: Prepared) -> Array:
@@ -184,5 +190,7 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
     criteria = equations.criteria.identifying
     keeps = keeps_most(prepared, criteria)
     keeps_judged = keeps and (judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria))
-    quiet = bool(np.all(noise_of_acceleration(robot, prepared) <= criteria.noisy))
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged, quiet)
+    share = noise_of_acceleration(robot, prepared)
+    moves = share[share > 0.0]
+    quiet, noise = bool(np.all(share <= criteria.noisy)), moves.size > 0 and float(np.median(moves)) > criteria.drowned
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged, quiet, noise)

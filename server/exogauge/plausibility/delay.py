@@ -69,7 +69,7 @@ def _gains_sliding(expected: Sequence[Expected], found: Delay) -> bool:
     lags = min((each.seen.lags for each in expected), key=len)
     telling = [axis for axis in found.axes if any(each.tells(axis) for each in expected)]
     gain = np.sum([each.gain for each in _profiles(expected, lags, telling)], axis=0)
-    return not telling or float(np.interp(found.seconds, lags, gain)) > 0.0
+    return bool(telling) and float(np.interp(found.seconds, lags, gain)) > 0.0
 
 
 def _believed(found: Delay, criteria: Comparing) -> bool:

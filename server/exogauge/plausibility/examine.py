@@ -92,18 +92,19 @@ def examine_against_robot(
             finding = as_finding(robot, slip)
             told.add((name, finding.channel))
             yield name, finding
-    for axis in unlike:
-        for log in logs:
-            yield log.name, as_unlike(robot, axis)
+    by_channel = [(each.seen.log, finding) for each in expected for finding in channel_rules(robot, each)]
+    for finding in (as_unlike(robot, each) for each in unlike):
+        if finding.channel not in {each.channel for _, each in by_channel}:
+            for log in logs:
+                yield log.name, finding
     if expected and not slips and not delays:  # what is wrong otherwise may look late
         delays = list(find_delays(expected))
     for delay in delays:
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
-    for each in expected:
-        for finding in channel_rules(robot, each):
-            if (each.seen.log, finding.channel) not in told:
-                yield each.seen.log, finding
+    for name, finding in by_channel:
+        if (name, finding.channel) not in told:
+            yield name, finding
 
 
 def _late_and_no_slip(slips: Sequence[Slip], expected: Sequence[Expected]) -> tuple[list[Slip], list[Delay]]:

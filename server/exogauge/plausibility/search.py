@@ -82,7 +82,8 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
             state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
     touched = {joint for slip in slips for joint in slip.remedy.joints}
     left = [Unlike(axis, pooled(state.expected, axis).misfit) for axis in state.axes() if axis not in touched]
-    unlike = [each for each in left if each.left > criteria.unlike]
+    sought = len(slips) < criteria.most_slips  # else there is more to find
+    unlike = [each for each in left if sought and each.left > criteria.unlike]
     return [replace(each, settled=each in first or state.explains(each)) for each in slips], unlike, as_read
 
 

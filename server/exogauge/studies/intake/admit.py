@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -11,9 +11,11 @@ import numpy as np
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording
 from exogauge.identification.turns import WIDEST
+from exogauge.logs.doctor import examine
 from exogauge.logs.model import Log
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.robots.description import Robot
+from exogauge.studies.intake.expectation import expectation
 from exogauge.studies.intake.open import Study, read_recordings, read_worn
 from exogauge.support.motions import require_same_motions
 from exogauge.support.settings import PlainLog, WornLog
@@ -68,8 +70,21 @@ def admit(study: Study, worn: bool = True, progress: Progress = unwatched) -> Ad
         try:
             require_same_motions(study.robot, logs.worn, logs.plain, study.support_settings)
         except BadStudy as different:  # the fault names the file, not only the log
-            raise BadStudy([replace(fault, file=files[fault.file or ""]) for fault in different.faults]) from None
+            told = [replace(fault, file=files[fault.file or ""]) for fault in different.faults]
+            raise BadStudy([*in_degrees(study.robot, every, files), *told]) from None
     return logs
+
+
+def in_degrees(robot: Robot, logs: Sequence[Log], files: Mapping[str, str]) -> list[Fault]:
+    """Of positions, once each: in degrees no two motions are alike, and that is not what is wrong with them."""
+    expected, found = expectation(robot), dict[str, Fault]()
+    for log in logs:
+        for each in examine(log, expected):
+            if each.rule == "degrees" and each.channel not in found:
+                found[each.channel] = Fault(
+                    each.detail, each.rule, each.advice, files[log.name], each.row, each.channel, f"{each.value:.4g}"
+                )
+    return [*found.values()]
 
 
 def impossible_rate(log: Log) -> list[Fault]:

@@ -10,17 +10,21 @@ from typing import Any
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.identification.settings import Recording
-from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
+from exogauge.logs.doctor import Finding, examine
 from exogauge.plausibility.examine import OTHER_CLOCK, examine_against_robot
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
+from exogauge.studies.intake.expectation import expectation
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
 
-STANDARD_GRAVITY = 9.80665
 OF_THE_BASE = ("acc", "gyro", "ft.*", "t")  # where these are wrong, so is what every joint should bear
+SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
+    "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
+    "couple_first", "degrees",
+}  # fmt: skip
 
 
 def examine_logs(
@@ -28,14 +32,18 @@ def examine_logs(
 ) -> list[dict[str, Any]]:
     """{log, severity, channel, rule, detail, advice, row, value}: first what the robot's description contradicts, then
     log by log what its signals show, worst first. worn: with a device, whose share no description of the robot knows.
+    Where signals show a slip that changes what every joint should bear, it is told alone, before any comparison.
     """
     criteria = criteria or Criteria()
     expected = replace(expectation(robot), criteria=criteria.doctor)
     logs = [*(each.log for each in recordings), *(each.log for each in worn)]
     examined = side_by_side(partial(examine, expectation=expected), logs)
     alone = [(log.name, finding) for log, findings in zip(logs, examined, strict=True) for finding in findings]
-    doubtful = {log for log, finding in alone if finding.severity == "error" and finding.channel in OF_THE_BASE}
+    errors = [(log, finding) for log, finding in alone if finding.severity == "error"]
+    doubtful = {log for log, finding in errors if finding.channel in OF_THE_BASE}
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
+    if any(finding.rule in SLIPS for _, finding in errors):
+        trusted = []
     return [
         _entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted, criteria.comparison), *alone)
     ]
@@ -70,17 +78,3 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
         "row": finding.row,
         "value": finite(finding.value),
     }
-
-
-def expectation(robot: Robot) -> Expectation:
-    """Limits from the URDF; the weight where the contact sensors carry a robot with a floating base."""
-    tree = robot.tree
-    contacts = {sensor.name: sensor.sign for sensor in robot.sensors if sensor.role == "contact"}
-    limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
-    return Expectation(
-        joints={name: JointLimits(lower, upper, velocity) for name, lower, upper, velocity in limits},
-        weight_n=tree.mass * STANDARD_GRAVITY if tree.floating and contacts else None,
-        contacts=contacts if tree.floating else {},
-        actuation={joint.name: joint.actuation for joint in robot.joints},
-        noise=robot.noise,
-    )

@@ -1,0 +1,22 @@
+"""What the robot's description lets the doctor expect of every log."""
+
+from __future__ import annotations
+
+from exogauge.logs.doctor import Expectation, JointLimits
+from exogauge.robots.description import Robot
+
+STANDARD_GRAVITY = 9.80665
+
+
+def expectation(robot: Robot) -> Expectation:
+    """Limits from the URDF; the weight where the contact sensors carry a robot with a floating base."""
+    tree = robot.tree
+    contacts = {sensor.name: sensor.sign for sensor in robot.sensors if sensor.role == "contact"}
+    limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
+    return Expectation(
+        joints={name: JointLimits(lower, upper, velocity) for name, lower, upper, velocity in limits},
+        weight_n=tree.mass * STANDARD_GRAVITY if tree.floating and contacts else None,
+        contacts=contacts if tree.floating else {},
+        actuation={joint.name: joint.actuation for joint in robot.joints},
+        noise=robot.noise,
+    )
