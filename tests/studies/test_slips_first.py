@@ -19,16 +19,17 @@ from exogauge.studies.intake.robot_file import load_robot
 from exogauge.studies.results.examine_logs import examine_logs
 
 
-def test_a_gyro_in_degrees_is_all_that_is_wrong_though_one_log_hardly_tilts(tmp_path: Path) -> None:
-    """There its own signals do not show it, and what joints should bear is wrong by the squares of its rates."""
-    write_study(tmp_path, True, {})
+def test_positions_in_degrees_are_all_that_is_wrong_though_one_log_stays_within_its_limits(tmp_path: Path) -> None:
+    """There its own signals do not show it, and what joints should bear is wrong."""
+    write_study(tmp_path, False, {})
     logs = []
-    for seed, sway in ((1, 0.6), (2, 0.05)):
-        columns = simulate(True, seed, 20.0, sway=sway)
+    for seed, size in ((1, 1.5), (2, 0.02)):
+        columns = simulate(False, seed, 20.0, size)
         time = columns.pop("t")
-        logs.append(Log(f"log_{seed}", time, {k: np.degrees(v) if "gyro" in k else v for k, v in columns.items()}))
+        in_degrees = {name: np.degrees(values) if name == "q.j2" else values for name, values in columns.items()}
+        logs.append(Log(f"log_{seed}", time, in_degrees))
     found = examine_logs(load_robot(tmp_path), [Recording(each, False) for each in logs])
-    assert {each["rule"] for each in found if each["severity"] == "error"} == {"gyro_in_degrees"}
+    assert {(each["rule"], each["channel"]) for each in found if each["severity"] == "error"} == {("degrees", "q.j2")}
 
 
 @pytest.mark.parametrize("in_degrees", [True, False])
