@@ -744,6 +744,29 @@ def test_the_trunk_is_asked_as_the_person_turns_it(robot: MotionRobot) -> None:
     assert ask(robot, leans)[1].max() == pytest.approx(0.2, abs=1e-3)
 
 
+def test_a_robot_that_faces_elsewhere_is_asked_the_same(robot: MotionRobot, folder: Path, tmp_path: Path) -> None:
+    """A root link that looks to the right, or back as iCub's: the base was asked to turn round on feet that stay."""
+    whole = yaml.safe_load((folder / "robot.yaml").read_text())
+    fixed = '<link name="stand"/><joint name="on" type="fixed"><parent link="stand"/><child link="BODY"/>'
+    fixed += f'<origin rpy="0 0 {-np.pi / 2}"/></joint></robot>'
+    (tmp_path / "robot.urdf").write_text(robot_urdf().replace("</robot>", fixed))
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(whole | {"base_link": "stand"}))
+    other = load_motion_robot(tmp_path / "robot.yaml")
+    s = np.sin(np.linspace(0.0, np.pi, 31))[:, None] ** 2
+    turn, trunk = (Rotation.from_euler("ZXY", s * angles).as_matrix() for angles in ([0.3, 0.1, 0.2], [0.2, 0.0, 0.5]))
+    person = Person("p", np.arange(31) / 30.0, s * [0.1, 0.05, -0.02], turn, trunk, {}, 0.8)
+    (here, _), (there, _) = ask(robot, person, SOON), ask(other, person, SOON)
+    for one, two in zip(here.q, there.q, strict=True):
+        seen = []
+        for each, q in ((robot, one), (other, two)):
+            pin.forwardKinematics(each.model, each.data, q)
+            chest, body = (pin.updateFramePlacement(each.model, each.data, each.frame(n)) for n in ("chest", "BODY"))
+            pin.forwardKinematics(each.model, each.data, each.home)
+            begin = pin.updateFramePlacement(each.model, each.data, each.frame("BODY"))
+            seen.append(np.stack([(begin.inverse() * pose).homogeneous for pose in (chest, body)]))
+        assert seen[0] == pytest.approx(seen[1], abs=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not (CAPTURES.is_dir() and JVRC.is_file()), reason="../shared/data/model_jvrc1 is not there")
 def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
