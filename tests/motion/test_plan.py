@@ -807,7 +807,7 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
     with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
         amc.write_bytes(packed.read())
     person = person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, until)
-    asked, _ = ask(robot, person, SOON)
+    asked, _ = ask(robot, person)
     planned = plan(robot, asked)
     upper = np.array(robot.beyond("thorax") + robot.torso)
     torso = robot.base + np.array(robot.torso)
