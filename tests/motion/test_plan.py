@@ -314,6 +314,28 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
+@pytest.mark.slow
+def test_legs_bear_a_plan_where_the_feet_share_evenly_too(robot: MotionRobot, tmp_path: Path) -> None:
+    """A table does not say how they share: the knee that a plan spared by leaning on the other was told as broken."""
+    asked = bend(robot, 0.5, 1.0)
+    asked.q[:, 1] += 0.1 * (asked.q[:, at(robot, "torso_pitch")] - robot.home[at(robot, "torso_pitch")])
+    knee = robot.joints.index("l_knee_pitch")
+    torque = robot.limits.torque.copy()
+    torque[knee] = 0.9 * np.abs(judge(robot, plan(robot, asked).spline, asked.place[0]).torque[:, knee]).max()
+    spared = replace(robot, limits=replace(robot.limits, torque=torque))
+    alone = plan(spared, asked)
+    assert judge(spared, alone.spline, asked.place[0], planned=alone).broken == ()
+    assert [line.split(":")[0] for line in judge(spared, alone.spline, asked.place[0]).broken] == [
+        "torque of l_knee_pitch"
+    ]
+    _, judged = plan_within(spared, asked)
+    assert judged.broken == ()
+    assert judged.evenly < 1.0
+    (tmp_path / "m.csv").write_bytes(motion_table(spared, judged))
+    table = read_written(spared, tmp_path / "m.csv")
+    assert judge(spared, table, asked.place[0], rate=1000.0, planned=table).broken == ()
+
+
 def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
     robot: MotionRobot, tmp_path: Path
 ) -> None:
@@ -795,8 +817,10 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
         amc.write_bytes(packed.read())
     asked, missed = ask(other, person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 2.6), SOON)
     assert missed.max() < 1e-3  # three joints express any turn
-    planned = plan(other, asked)
-    assert judge(other, planned.spline, asked.place[0], planned=planned).broken == ()
+    planned, judged = plan_within(other, asked)
+    assert judged.broken == ()
+    for feet in (planned, None):  # as they share the load in the plan, and evenly
+        assert judge(other, planned.spline, asked.place[0], rate=1000.0, planned=feet).broken == ()
 
 
 @pytest.mark.slow
