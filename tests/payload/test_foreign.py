@@ -227,6 +227,10 @@ def test_a_sensor_zeroed_before_the_motion_is_named_and_not_called_a_poor_motion
     found = evaluated(tmp_path)
     assert ("zero_of_log", "shake") in {(each.effect, each.place) for each in found.missing.found}
     assert np.abs(off(found, truth)[:10]).max() < 4.0
+    errors, known = streamed(tmp_path, truth, role="test", after=("postures", "excitation"))
+    assert np.abs(errors[:10]).max() < 4.0  # another zero again: it is found anew
+    assert known.estimate.std[0] < 0.02 * truth.phi[0]
+    assert not known.in_doubt
 
 
 @pytest.mark.slow
