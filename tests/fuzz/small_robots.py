@@ -36,11 +36,21 @@ def study_yaml(settings: str = "", steps: str = "[identify]") -> str:
     return f"version: 1\nname: small\nrobot: robot.yaml\nlogs:\n{logs}steps: {steps}\nsettings: {{{settings}}}\n"
 
 
-def simulate(floating: bool, seed: int, seconds: float) -> dict[str, np.ndarray]:
-    """One log: joints that swing up to some rad/s, and on a floating base the body sways."""
+def dahl(dq: np.ndarray, bends: float) -> np.ndarray:
+    """(T, J) of Coulomb friction whose bristles bend by `bends` [rad] before they slide: dz = dq - |dq| z / bends."""
+    finer, z, found = 50, np.zeros(dq.shape[1]), np.empty_like(dq)
+    for k, speed in enumerate(dq):
+        for _ in range(finer):
+            z += (speed - np.abs(speed) * z / bends) / (RATE * finer)
+        found[k] = z / bends
+    return found
+
+
+def simulate(floating: bool, seed: int, seconds: float, size: float = 1.5, bends: float = 0.0) -> dict[str, np.ndarray]:
+    """One log: joints that swing up to some rad/s, and on a floating base the body sways. bends: see `dahl`."""
     rng, J = np.random.default_rng(seed), len(JOINTS)
     t = np.arange(0.0, seconds, 1.0 / RATE)
-    q, dq, ddq = (1.5 * each for each in fourier(rng, t, J, 0.5))
+    q, dq, ddq = (size * each for each in fourier(rng, t, J, 0.5))
     model = pin.buildModelFromXML(chain_urdf(J).decode(), *([pin.JointModelFreeFlyer()] if floating else []))
     truth, first = np.random.default_rng(0), model.njoints - J
     for body in range(first - int(floating), model.njoints):
@@ -67,7 +77,8 @@ def simulate(floating: bool, seed: int, seconds: float) -> dict[str, np.ndarray]
     def noisy(values: np.ndarray, kind: str) -> np.ndarray:
         return values + NOISE[kind] * rng.standard_normal(values.shape)
 
-    friction = FRICTION["k_d"] * dq + FRICTION["tau_c"] * np.sign(dq) + FRICTION["J_r"] * ddq
+    coulomb = dahl(dq, bends) if bends else np.sign(dq)
+    friction = FRICTION["k_d"] * dq + FRICTION["tau_c"] * coulomb + FRICTION["J_r"] * ddq
     current = noisy((tau + friction) / K_T, "i")
     columns = {"t": t}
     columns |= {f"q.{name}": noisy(q[:, j], "q") for j, name in enumerate(JOINTS)}

@@ -110,6 +110,41 @@ def test_a_delay_too_small_to_be_named_is_told_and_held(tmp_path: Path) -> None:
     hold(errors, 4.0)
 
 
+def shifted(samples: int) -> foreign.Spoil:
+    return lambda _name, table: np.column_stack([table[samples:, :6], table[:-samples, 6:]])
+
+
+@pytest.mark.slow
+def test_a_wrench_as_late_as_may_be_named_is_found_from_afar_and_all_else_holds(tmp_path: Path) -> None:
+    """40 ms: what a log reads before its first pose is of no use."""
+    truth = foreign.write(tmp_path, 1, spoil=shifted(5), seconds=10.0)
+    found = evaluated(tmp_path)
+    assert [each.effect for each in found.missing.found] == ["delay"]
+    late = found.missing.found[0].parameters[0]
+    assert abs(late.value - 40.0) < 3.5 * late.std
+    assert late.std < 1.0
+    assert np.abs(off(found, truth)).max() < 4.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("settles_s", [60.0, 1e6], ids=["settles", "even"])
+def test_a_zero_that_drifts_through_a_session_is_followed_from_its_begin(settles_s: float, tmp_path: Path) -> None:
+    """As a sensor warms up: in the postures too. Its value at the begin was wrong by 5 to 37 standard deviations."""
+    begun = {"still": 1e4, "shake": 1e4 + 50.0, "other": 1e4 + 80.0}
+    drift = 0.025 * np.array([1.0, -0.6, 0.8, 0.02, -0.016, 0.012])
+
+    def spoil(name: str, table: Array) -> Array:
+        t = table[:, [0]] - table[0, 0] + begun[name] - 1e4
+        course = -drift * settles_s * np.expm1(-t / settles_s)
+        return np.hstack([t + 1e4, table[:, 1:6], table[:, 6:] + course])
+
+    truth = foreign.write(tmp_path, 4, spoil=spoil, seconds=10.0)
+    found = evaluated(tmp_path)
+    assert found.missing.decision.verdict == "effects"
+    assert "zero_drift" in {each.effect for each in found.missing.found}
+    assert np.abs(off(found, truth)).max() < 4.0
+
+
 @pytest.mark.slow
 def test_a_gain_that_was_found_leaves_the_others_in_doubt(tmp_path: Path) -> None:
     """Two axes read 2 % more alike: that is another mass and a gain of the third, and no data tell which it is."""
@@ -156,6 +191,16 @@ def test_what_was_done_wrong_is_named(spoil: foreign.Spoil, rule: str, told: str
     assert told in str(refused.value)
 
 
+def test_gravity_turned_round_is_told_by_motion_where_nobody_said_which_way_the_sensor_reads(tmp_path: Path) -> None:
+    """Postures fit both alike."""
+    foreign.write(tmp_path, 2, sees=None, seconds=8.0, tests=False)
+    file = tmp_path / "payload.yaml"
+    file.write_text(file.read_text().replace("gravity: [0, 0, -9.81]", "gravity: [0, 0, 9.81]"))
+    with pytest.raises(BadStudy) as refused:
+        evaluated(tmp_path)
+    assert refused.value.faults[0].rule == "gravity_reversed"
+
+
 def test_axes_that_stand_a_little_off_are_told_with_their_angle(tmp_path: Path) -> None:
     c, s = np.cos(np.radians(5.0)), np.sin(np.radians(5.0))
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -182,6 +227,10 @@ def test_a_sensor_zeroed_before_the_motion_is_named_and_not_called_a_poor_motion
     found = evaluated(tmp_path)
     assert ("zero_of_log", "shake") in {(each.effect, each.place) for each in found.missing.found}
     assert np.abs(off(found, truth)[:10]).max() < 4.0
+    errors, known = streamed(tmp_path, truth, role="test", after=("postures", "excitation"))
+    assert np.abs(errors[:10]).max() < 4.0  # another zero again: it is found anew
+    assert known.estimate.std[0] < 0.02 * truth.phi[0]
+    assert not known.in_doubt
 
 
 @pytest.mark.slow

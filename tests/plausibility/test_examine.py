@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.fuzz.small_robots import JOINTS, simulated_logs, write_study
+from tests.fuzz.small_robots import JOINTS, simulate, simulated_logs, write_study
 
 from exogauge.cli import main
 from exogauge.logs.model import Log
@@ -100,6 +100,13 @@ def test_a_slip_in_one_log_is_told_of_that_log_only(robot: Robot, logs: list[dic
     assert {(log, finding.channel, finding.rule) for log, finding in found} == {("log_1", "i.j2", "effort_reversed")}
 
 
+@pytest.mark.parametrize("floating", [False, True], indirect=True)
+def test_friction_that_is_a_spring_after_every_turn_is_no_slip(robot: Robot, floating: bool) -> None:
+    """Gears creep before they slide: on small motions half of an effort is unlike gravity, inertia and friction."""
+    slow = [simulate(floating, seed, 20.0, 0.06, 0.005) for seed in (1, 2)]
+    assert list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(slow)])) == []
+
+
 def test_joints_at_rest_say_nothing_of_their_signs(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
     rng = np.random.default_rng(0)
     still = [
@@ -121,7 +128,7 @@ def test_logs_of_which_none_can_be_looked_at_say_nothing(robot: Robot, logs: lis
 @pytest.mark.parametrize(
     "other", [lambda q: q[::-1], lambda q: np.abs(q - q.mean()) + 0.3], ids=["backwards", "folded"]
 )
-def test_what_leaves_a_joint_unlike_its_description_is_told_as_the_nearest_of_what_is_tried(
+def test_what_leaves_a_joint_unlike_its_description_is_told_as_that_or_as_the_nearest_of_what_is_tried(
     tmp_path: Path, other: Callable[[np.ndarray], np.ndarray]
 ) -> None:
     """A column of another recording, and an angle that lost its sign: no slip that is looked for."""
@@ -130,7 +137,7 @@ def test_what_leaves_a_joint_unlike_its_description_is_told_as_the_nearest_of_wh
     found = examine_against_robot(load_robot(tmp_path), [as_log(k, each) for k, each in enumerate(wrong)])
     told = [finding for _, finding in found]
     assert told
-    assert all(each.advice.startswith("look for something else first") for each in told)
+    assert all(each.rule == "effort_unlike" or each.advice.startswith("look for something else first") for each in told)
 
 
 def test_the_doctor_says_first_what_the_robot_contradicts(

@@ -138,7 +138,7 @@ def predictions(samples: int = 4000) -> tuple[Prediction, ...]:
         measured = {name: values + 0.6 * rng.standard_normal(samples) for name, values in truth.items()}
         predicted = {name: 0.99 * values for name, values in truth.items()}
         prior = {name: 0.75 * values + 2.0 for name, values in truth.items()}
-        channels = partial(Channels, measured, predicted, prior)
+        channels = partial(Channels, measured, predicted, prior, {})
         made.append(Prediction(log, held_out, t, units, channels))
     return tuple(made)
 

@@ -15,7 +15,7 @@ from exogauge.studies.report.figures import draw_series
 def test_labels_lie_among_the_values_evenly_and_no_offset_is_written(low: float, high: float) -> None:
     values = np.linspace(low, high, 50)
     told = {"tau.a": values}
-    channels = Channels(told, told, told)
+    channels = Channels(told, told, told, {})
     prediction = Prediction("id", False, np.arange(50.0), {"tau.a": "N·m"}, lambda: channels)
     drawn = draw_series(prediction, channels, ["tau.a"], {}, "k")
     words = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)

@@ -444,7 +444,7 @@ def make_evidence(biped: Biped) -> Callable[..., Evidence]:
             phase=np.zeros(len(torque), dtype=np.intp), a=torque, b=torque, a_priori=torque, std_a=nothing,
             std_b=nothing, half_a=nothing, half_b=nothing, low_b=torque, compared=used, steady=used, rest=~always,
             length=geometry.length, kept=kept, sloped=kept[::20], slope_b=slope,
-            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, lambda: Channels({}, {}, {})),
+            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, lambda: Channels({}, {}, {}, {})),
         )  # fmt: skip
 
     return make

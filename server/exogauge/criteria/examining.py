@@ -142,6 +142,12 @@ class Comparing:
     moving_least: float = criterion(
         0.002, "rad/s or m/s", "from which on an axis counts as moving at all", judgement(RULES)
     )
+    slides: float = criterion(
+        0.01,
+        "rad or m",
+        "since its last turn, from which on a joint slides: before, friction is a spring, and bears what it is asked",
+        judgement("docs/doctor.md: gears creep by 0.3 to 5 mrad before they slide"),
+    )
     fewest: int = criterion(
         20,
         "moments",
@@ -171,6 +177,12 @@ class Comparing:
         "1",
         "of an axis' effort that is left, from which it is in doubt",
         measured("recorded robots with stock descriptions: 0.03 to 0.17 are left"),
+    )
+    unlike: float = criterion(
+        0.5,
+        "1",
+        "of an axis' effort that is left whatever is tried, from which it is told as unlike its description",
+        judgement("docs/doctor.md: more than half; recorded robots leave 0.17 at most"),
     )
     most_slips: int = criterion(
         6, "slips", "in one study: who has more has one that was not thought of", judgement(RULES)

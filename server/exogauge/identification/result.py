@@ -74,11 +74,13 @@ class Channels:
     """(T,) each, channel names as in `ChannelFit`.
 
     measured: unfiltered (joint torques in N·m also where currents were logged, with the identified k_T).
+    steady: samples in steady motion, which alone are judged.
     """
 
     measured: Mapping[str, Array]
     predicted: Mapping[str, Array]
     predicted_prior: Mapping[str, Array]
+    steady: Mapping[str, NDArray[np.bool_]]
 
 
 @final

@@ -43,7 +43,8 @@ def predict_log(
     known = kept.of(
         prepared.log, f"a priori {believed.hexdigest()}", lambda: predictions(equations, prepared, [prior])[0]
     )
-    return Channels(measured, predictions(equations, prepared, [identified])[0], known)
+    predicted = predictions(equations, prepared, [identified])[0]
+    return Channels(measured, predicted, known, steady_samples(equations, prepared))
 
 
 def prediction_of(log: Log, held_out: bool, equations: Equations, channels: Callable[[], Channels]) -> Prediction:

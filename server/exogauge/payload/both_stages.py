@@ -83,9 +83,14 @@ class Logs:
         return replace(self, holds=holds, excitation=excitation, test=test, contact=contact)
 
     def without(self, wrenches: Sequence[Array]) -> Logs:
-        """wrenches: (T, 6) of what is taken out, in the same order."""
+        """wrenches: (T, 6) of what is taken out, in the same order; NaN at samples that are left out."""
         parts = iter(wrenches)
-        return self.each(lambda read: read - next(parts))
+        logs = self.each(lambda read: read - next(parts))
+        excitation, test, contact = (
+            [each.rows(np.asarray(np.isfinite(each.wrench).all(axis=1))) for each in some]
+            for some in (logs.excitation, logs.test, logs.contact)
+        )
+        return replace(logs, excitation=excitation, test=test, contact=contact)
 
     def still(self) -> tuple[Postures | None, list[str]]:
         """What the postures say, without those that were touched; and warnings."""
@@ -126,17 +131,20 @@ class Logs:
     def still_stretches(self, stages: Stages) -> list[Stretch]:
         if stages.postures is None:
             return []
-        return [still_stretch(stages.postures.holds, stages.gravity, self.sign, self.criteria.payload)]
+        holds, begun = stages.postures.holds, self.payload.session
+        still = still_stretch(holds, stages.gravity, self.sign, self.criteria.payload)
+        return [still if begun is None or holds.stamps is None else replace(still, session=holds.stamps - begun)]
 
     def stretches(self, role: Role, stages: Stages) -> list[Stretch]:
         """Motion of this role, with the floors of the body that was found in the excitation."""
         assert stages.excitation is not None
         body = stages.excitation.chosen.value[:10]
         at_rest = None if stages.postures is None else stages.postures.holds.noise
+        begun = self.payload.session
         return [
-            moving_stretch(
+            replace(moving_stretch(
                 recording.name, each.motion, each.wrench, stages.gravity, self.sign, body, std_of(self.payload),
                 self.criteria.payload, at_rest,
-            )
+            ), session=None if begun is None else each.motion.time + recording.begun - begun)
             for recording, each in zip(self.payload.of(role), self.moved[role], strict=True)
         ]  # fmt: skip

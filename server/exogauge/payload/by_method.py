@@ -28,6 +28,7 @@ def left_by_method(
     out: dict[str, dict[str, Remainder]] = {}
     plain = rigid or stages
     for recording, read, test in zip(logs.payload.of("test"), logs.test, clean.test, strict=True):
+        read = read.rows(np.isin(read.motion.time, test.motion.time))
         ways = {"all": stages.compensation.external(test.motion, test.wrench)}
         if rigid is not None:
             ways["rigid"] = rigid.compensation.external(read.motion, read.wrench)

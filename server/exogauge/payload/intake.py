@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import final, get_args
 
@@ -76,7 +77,7 @@ class Recording:
     """wrench: (T, 6) as read. angles: (T, J) [rad] or None; rotation: (T, 9) R_BS or None; position: (T, 3) or None;
     acceleration: (T, 3) [m/s²] of the IMU in its own axes, or None. each_row: rows are postures, time is their number.
     evened: std [s] of stamps that jittered though samples were taken evenly, and were replaced; 0 where none were.
-    steps: of what resolution the wrench is.
+    steps: of what resolution the wrench is. begun: [s] stamp from which its time counts; 0 of rows.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Recording:
     each_row: bool
     evened: float = 0.0
     steps: Steps = NO_STEPS
+    begun: float = 0.0
 
     @property
     def pose(self) -> Stream:
@@ -109,6 +111,13 @@ class Payload:
 
     def of(self, role: Role) -> list[Recording]:
         return [each for each in self.recordings if each.role == role]
+
+    @property
+    def session(self) -> float | None:
+        """[s] stamp at which the first log begins, where one clock went on through all of them; else None."""
+        spans = sorted((each.begun + each.pose.time[[0, -1]]).tolist() for each in self.recordings)
+        apart = all(end < begin for (_, end), (begin, _) in pairwise(spans))
+        return spans[0][0] if apart and not any(each.each_row for each in self.recordings) else None
 
 
 def open_payload(path: Path, roles: Collection[Role] = ROLES, criteria: Complaining = USUAL) -> Payload:
@@ -161,7 +170,7 @@ def _require_somewhere(file: PayloadFile, recordings: Sequence[Recording], folde
 def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, criteria: Complaining) -> Recording:
     tables = [open_table(folder / name, name) for name in entry.file]
     sensor, pose, imu = file.sensor, file.pose, file.imu
-    clocks = None if entry.each_row else _clocks(tables, file, criteria.fewest_samples)
+    clocks, begun = (None, 0.0) if entry.each_row else _clocks(tables, file, criteria.fewest_samples)
 
     def stream(columns: Sequence[str], unit: str, dimension: str, late: float = 0.0) -> Stream:
         table = _holding(tables, columns)
@@ -217,15 +226,18 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, crit
         raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
     assert parts[0] is not None
     steps = steps_of(parts[0], sensor.noise, still=entry.each_row or entry.role == "postures")
-    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened, steps)
+    return Recording(
+        name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened, steps, begun
+    )
 
 
 def _span(stream: Stream) -> str:
     return f"{stream.time[0]:.3f} to {stream.time[-1]:.3f} s" if len(stream.time) else "nothing"
 
 
-def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> dict[str, Array]:
-    """Seconds per file, 0 at the earliest sample of all; whole stamps are subtracted before they become floats."""
+def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> tuple[dict[str, Array], float]:
+    """Seconds per file, 0 at the earliest sample of all, and [s] its stamp; whole stamps are subtracted before they
+    become floats."""
     column, factor = file.time.column, factor_of(file.time.unit, "time", tables[0].file)
     raw = {}
     for table in tables:
@@ -237,7 +249,9 @@ def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> dict[str
             raise BadStudy(Fault(detail, "too_few_samples", advice, table.file))
         refuse(time_faults(raw[table.file], table.file, column))
     first = min(values[0] for values in raw.values())
-    return {name: np.asarray(values - first, np.float64) * factor for name, values in raw.items()}
+    return {name: np.asarray(values - first, np.float64) * factor for name, values in raw.items()}, float(
+        first
+    ) * factor
 
 
 def _holding(tables: Sequence[Table], columns: Sequence[str]) -> Table:

@@ -39,6 +39,9 @@ class Moved:
     wrench: Array
     noise_known: bool
 
+    def rows(self, which: NDArray[np.bool_]) -> Moved:
+        return replace(self, motion=self.motion.rows(which), wrench=self.wrench[which])
+
 
 def std_of(payload: Payload) -> Array:
     """(6,) [N, N·m] of one sample: as stated, or with the rounding of steps that are coarser than that; where
@@ -88,7 +91,7 @@ def rounded_mean(step: float, noise: float) -> float:
 def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array | None]:
     """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
     rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
-    differ, scatter = list[Array](), list[Array]()
+    differ, scatter, stamps = list[Array](), list[Array](), list[float]()
     for recording in payload.of("postures"):
         R, F, pose = recording.rotation, recording.wrench, recording.pose
         if recording.each_row:
@@ -114,6 +117,7 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
             scatter.append(inside.values.std(axis=0, ddof=1))
             counts.append(len(inside.time))
             spans.append((a, b))
+            stamps.append(recording.begun + (a + b) / 2)
             if recording.acceleration:
                 acceleration.append(recording.acceleration.cut(a, b).values.mean(axis=0))
     if len(wrench) < 3:
@@ -131,7 +135,16 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
     std = np.hypot(std, [rounded_mean(*each) for each in zip(steps, before, strict=True)])
     unrest = np.sqrt(np.mean(np.square(differ), axis=0)) / 2 if len(differ) == len(F_S) else None
     noise = within if scatter else None
-    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans), unrest, noise)
+    holds = Holds(
+        R_BS,
+        F_S,
+        std,
+        payload.file.pose.noise_rad,
+        np.array(spans),
+        unrest,
+        noise,
+        np.array(stamps) if scatter else None,
+    )
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 
 

@@ -20,6 +20,7 @@ from exogauge.payload.dynamics import (
     Method,
     Prior,
     Rows,
+    batch,
     dynamic_stage,
     recursive,
     require_excitation,
@@ -205,6 +206,7 @@ def excitation_stage(
         require_excitation(solution)
     if known and solution.mu > criteria.payload_static.clearly:
         _require_one_clock(payload, moved, gravity, solution.mu, criteria)
+        _require_down(payload, rows_of(payload, moved, -gravity, -sign), prior, solution.mu, criteria)
     if postures is None:
         _require_axes(payload, rows, solution, criteria)
     _require_units(payload, rows, criteria)
@@ -258,7 +260,7 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
         return
     file, said = payload.of("excitation")[0].wrench.file, units_for(ratio, std, sensor.force_unit, sensor.moment_unit)
     detail = f"moments are {ratio:.4g} ± {std:.1g} times what forces say of the payload in motion: a unit is wrong"
-    advice = f"Say {said}." if said else "Check `sensor.force_unit` and `sensor.moment_unit`."
+    advice = f"Say {said}." if said else "Check `sensor.force_unit` and `sensor.moment_unit`, and the clocks."
     raise BadStudy(Fault(detail, "units_disagree", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
 
 
@@ -294,6 +296,16 @@ def _require_one_clock(payload: Payload, moved: Sequence[Moved], gravity: Array,
             advice = "Both must be stamped when they were measured, by one clock: take that off the wrench's stamps."
             file = recording.wrench.file
             raise BadStudy(Fault(detail, "clocks_apart", advice, file, None, payload.file.time.column, f"{late:.3f} s"))
+
+
+def _require_down(payload: Payload, upwards: Rows, prior: Prior, mu: float, criteria: Criteria) -> None:
+    """Raises BadStudy where motion fits clearly better with gravity and the wrench's sign turned round: postures fit
+    both alike. upwards: the rows so."""
+    if batch(upwards, prior, "gtls").mu * criteria.payload_static.clearly**2 < mu:
+        detail = "motion says that gravity points the other way, though postures fit"
+        file, value = payload.name, str(list(payload.file.gravity))
+        advice = "Turn `gravity` round: it is what falls, so [0, 0, -9.81] where z of the base points up; and `sees`."
+        raise BadStudy(Fault(detail, "gravity_reversed", advice, file, None, "gravity", value))
 
 
 def _require_order(payload: Payload, holds: Holds, gravity: Array, criteria: Criteria) -> None:

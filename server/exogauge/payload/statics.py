@@ -30,7 +30,7 @@ class Holds:
     rotation: (K, 3, 3) R_BS. wrench: (K, 6) [N, N·m] means. std: (6,) [N, N·m] of a mean's error, from the sensor's
     noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in the log's time. unrest: (6,) rms
     of half of what the two halves of a posture differ in: about `std`, more where something swings on. noise: (6,) std
-    of a sample within a posture.
+    of a sample within a posture. stamps: (K,) [s] of their middles, by the clock of the logs.
     """
 
     rotation: Array
@@ -40,6 +40,7 @@ class Holds:
     spans: Array | None = None
     unrest: Array | None = None
     noise: Array | None = None
+    stamps: Array | None = None
 
     def __len__(self) -> int:
         return len(self.wrench)
@@ -49,8 +50,8 @@ class Holds:
         return self.only(np.arange(len(self)) != k)
 
     def only(self, keep: NDArray[np.bool_]) -> Holds:
-        spans = None if self.spans is None else self.spans[keep]
-        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise, spans, self.unrest, self.noise)
+        spans, stamps = (None if each is None else each[keep] for each in (self.spans, self.stamps))
+        return replace(self, rotation=self.rotation[keep], wrench=self.wrench[keep], spans=spans, stamps=stamps)
 
     def alike(self, gravity: Array, criteria: Standing = USUAL) -> bool:
         """Whether gravity, (3,) in {B}, pulls in the same direction of the sensor in all of them."""

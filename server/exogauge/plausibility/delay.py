@@ -38,7 +38,7 @@ def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
 
     Where there is none in all logs: logs whose efforts are of another clock, on most of the axes at once.
     """
-    alike = list(_of_all_logs(expected))
+    alike = [each for each in _of_all_logs([one.in_any_motion() for one in expected]) if _gains_sliding(expected, each)]
     yield from alike
     for each in () if alike else expected:
         other = of_another_clock(each)
@@ -64,6 +64,14 @@ def _of_all_logs(expected: Sequence[Expected]) -> Iterator[Delay]:
                 yield found
 
 
+def _gains_sliding(expected: Sequence[Expected], found: Delay) -> bool:
+    """Whether joints that slide gain by it as well: friction that builds up after a turn comes late by itself."""
+    lags = min((each.seen.lags for each in expected), key=len)
+    telling = [axis for axis in found.axes if any(each.tells(axis) for each in expected)]
+    gain = np.sum([each.gain for each in _profiles(expected, lags, telling)], axis=0)
+    return not telling or float(np.interp(found.seconds, lags, gain)) > 0.0
+
+
 def _believed(found: Delay, criteria: Comparing) -> bool:
     """A wrong model gains by a shift as well: of a long one more is asked."""
     return not found.far or found.after <= criteria.delay_far_falls * found.before
@@ -77,11 +85,14 @@ def _profiles(expected: Sequence[Expected], lags: Array, axes: Sequence[int]) ->
 
 def of_another_clock(expected: Expected) -> Delay | None:
     """Of one log, on half of its axes or more."""
+    sliding, expected = expected, expected.in_any_motion()
     axes = [a for a in range(len(expected.robot.joints)) if expected.tells(a)]
     lags, criteria = expected.seen.lags, expected.seen.criteria
     profiles = _profiles([expected], lags, axes)
     found = _sure(lags, profiles, expected.seen.rate_hz, criteria) if profiles else None
     if found is None or 2 * len(found.axes) < len(axes) or not _believed(found, criteria):
+        return None
+    if not _gains_sliding([sliding], found):
         return None
     return replace(found, log=expected.seen.log)
 

@@ -26,7 +26,7 @@ from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
 from exogauge.plausibility.remedies import Remedy
-from exogauge.plausibility.search import Slip, find_slips
+from exogauge.plausibility.search import Slip, Unlike, find_slips
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -83,7 +83,7 @@ def examine_against_robot(
             yield one.log, as_late(late)
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
-    slips, expected = find_slips(robot, seen)
+    slips, unlike, expected = find_slips(robot, seen)
     told = set[tuple[str, str]]()
     slips, delays = _late_and_no_slip(slips, expected)
     for slip in slips:
@@ -92,6 +92,9 @@ def examine_against_robot(
             finding = as_finding(robot, slip)
             told.add((name, finding.channel))
             yield name, finding
+    for axis in unlike:
+        for log in logs:
+            yield log.name, as_unlike(robot, axis)
     if expected and not slips and not delays:  # what is wrong otherwise may look late
         delays = list(find_delays(expected))
     for delay in delays:
@@ -189,6 +192,18 @@ def as_finding(robot: Robot, slip: Slip) -> Finding:
             f"look for something else first: so much is left that this is only the nearest of what is tried; {advice}"
         )
     return Finding("error", channels[0], remedy.rule, f"{said} ({left})", advice, value=remedy.value)
+
+
+def as_unlike(robot: Robot, unlike: Unlike) -> Finding:
+    joint = robot.joints[unlike.axis]
+    detail = (
+        f"is unlike what gravity, inertia and friction ask for ({100 * unlike.left:.0f} % are left unexplained), and "
+        "no slip that was tried explains it"
+    )
+    advice = "look at the columns of both: are they another joint's, another recording's, or lost their sign?"
+    return Finding(
+        "warning", f"{DRIVE[joint.actuation]}.{joint.name}", "effort_unlike", detail, advice, value=unlike.left
+    )
 
 
 def channel(robot: Robot, remedy: Remedy, joint: int) -> str:

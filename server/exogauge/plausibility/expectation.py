@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 class Expected:
     """The axes of a robot in one snapshot. Likelihoods are computed where they are asked for, once.
 
-    moving: (N, A) bool, the moments in which an axis moves; given to compare the same moments of another reading.
+    moving: (N, A) bool, the moments in which an axis slides; given to compare the same moments of another reading.
     """
 
     def __init__(self, robot: Robot, seen: Snapshot, moving: NDArray[np.bool_] | None = None) -> None:
@@ -39,7 +39,7 @@ class Expected:
         outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, axes] if robot.contacts else 0.0
         self.load = np.stack(load, axis=1) - outside
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
-        self.moving = in_motion(self._velocity, seen.criteria) if moving is None else moving
+        self.moving = sliding(robot, seen) if moving is None else moving
         self.effort = on_axes(robot, seen.effort)
         self._fits: dict[int, AxisFit] = {}
         self._known: dict[tuple[int, float, bool], Likelihood] = {}
@@ -69,11 +69,22 @@ class Expected:
             self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], among)
         return self._known[key]
 
+    def in_any_motion(self) -> Expected:
+        """With moments right after a turn too: there, where friction turns round, a delay shows."""
+        return Expected(self.robot, self.seen, in_motion(self._velocity, self.seen.criteria))
+
     def with_effort(self, seen: Snapshot) -> Expected:
         """The same motion with the efforts of `seen`."""
         other = copy(self)
         other.seen, other.effort, other._known = seen, on_axes(self.robot, seen.effort), {}
         return other
+
+
+def sliding(robot: Robot, seen: Snapshot) -> NDArray[np.bool_]:
+    """(N, A) moments in which an axis moves, and has gone on so far that friction is no spring any more."""
+    C = robot.axes_from_joints
+    way = np.where(C != 0.0, seen.way[:, None, :], np.inf).min(axis=2)  # of the joint that turned last
+    return np.asarray(in_motion(seen.dq @ C.T, seen.criteria) & (way >= seen.criteria.slides))
 
 
 def _live(columns: Array) -> Array:

@@ -65,7 +65,8 @@ def exchanged(ones: Sequence[int], others: Sequence[int]) -> Sequence[Remedy]:
         return result
 
     def positions(seen: Snapshot) -> Snapshot:
-        return replace(seen, q=swapped(seen.q), dq=swapped(seen.dq), ddq=swapped(seen.ddq))
+        q, dq, ddq, way = (swapped(each) for each in (seen.q, seen.dq, seen.ddq, seen.way))
+        return replace(seen, q=q, dq=dq, ddq=ddq, way=way)
 
     def efforts(seen: Snapshot) -> Snapshot:
         return replace(seen, effort=swapped(seen.effort), late=swapped(seen.late))
@@ -119,7 +120,9 @@ def _scaled(joint: int, factor: float) -> Callable[[Snapshot], Snapshot]:
         q, dq, ddq = seen.q.copy(), seen.dq.copy(), seen.ddq.copy()
         for each in (q, dq, ddq):
             each[:, joint] *= factor
-        return replace(seen, q=q, dq=dq, ddq=ddq)
+        way = seen.way.copy()
+        way[:, joint] *= abs(factor)
+        return replace(seen, q=q, dq=dq, ddq=ddq, way=way)
 
     return undo
 

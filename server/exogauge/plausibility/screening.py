@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
-from exogauge.plausibility.axis_fit import AS_DESCRIBED, GAINS, explained, in_motion
-from exogauge.plausibility.expectation import on_axes
+from exogauge.plausibility.axis_fit import AS_DESCRIBED, GAINS, explained
+from exogauge.plausibility.expectation import on_axes, sliding
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
@@ -83,7 +83,7 @@ class _Terms:
         shape = (len(readings), -1, load.shape[1])
         velocity, acceleration = (dq @ C.T).reshape(shape), (ddq @ C.T).reshape(shape)
         effort = np.stack([on_axes(robot, each.effort) for each in readings])
-        self.moving = np.stack([in_motion(each, self._criteria) for each in velocity])
+        self.moving = np.stack([sliding(robot, each) for each in readings])
         self._columns = np.stack(
             [effort, load.reshape(shape), velocity, np.sign(velocity), acceleration, np.ones_like(velocity)], axis=-1
         )

@@ -49,10 +49,19 @@ class Slip:
     settled: bool = True
 
 
-def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Expected]]:
+@final
+@dataclass(frozen=True)
+class Unlike:
+    """An axis that does not bear what is described, whatever is tried. left: share of its effort."""
+
+    axis: int
+    left: float
+
+
+def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Unlike], list[Expected]]:
     """What is wrong in all of the logs, the slip that explains most first; then, with it undone, in single ones.
 
-    And what is expected of each log as it was handed in.
+    And axes that no slip makes like their description; and what is expected of each log as it was handed in.
     """
     as_read = [Expected(robot, each) for each in seen]
     criteria = seen[0].criteria if seen else Comparing()
@@ -71,7 +80,10 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
             slips.append(replace(best, logs=tuple(seen[k].log for k in logs)))
             now = {k: Expected(robot, best.remedy.undo(state.expected[k].seen)) for k in logs}
             state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
-    return [replace(each, settled=each in first or state.explains(each)) for each in slips], as_read
+    touched = {joint for slip in slips for joint in slip.remedy.joints}
+    left = [Unlike(axis, pooled(state.expected, axis).misfit) for axis in state.axes() if axis not in touched]
+    unlike = [each for each in left if each.left > criteria.unlike]
+    return [replace(each, settled=each in first or state.explains(each)) for each in slips], unlike, as_read
 
 
 def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
@@ -137,11 +149,17 @@ class _State:
         return self._undone[1]
 
     def mends(self, remedy: Remedy) -> bool:
-        """No more is left at its own joints than before. What only others gain by is something else that is missing."""
+        """No more is left at its own joints than before: what only others gain by is something else that is missing.
+        So it is where none of its own moves then: what is left of them nobody sees.
+        A factor of an effort leaves its joint in no doubt: of what is not described a large load explains a part, too.
+        """
         then = self.undone(remedy)
-        own = [axis for axis in remedy.joints if axis in self.axes()]
-        before, after = ([pooled(each, axis).misfit for axis in own] for each in (self.expected, then))
-        return max(after, default=0.0) <= max(before, default=0.0)
+        before, after = (
+            [pooled(each, axis).misfit for axis in remedy.joints if any(one.tells(axis) for one in each)]
+            for each in (self.expected, then)
+        )
+        most = self.criteria.misfit if remedy.rule == "effort_scale" else max(before, default=0.0)
+        return bool(after) and max(after) <= most
 
     def as_good(self, best: Remedy, tried: Sequence[tuple[Remedy, float]]) -> Remedy | None:
         """Of the same joints, one that the data do not tell from the best."""
@@ -183,12 +201,15 @@ class _State:
         return now.any - now.described > self.criteria.doubted or now.misfit > self.criteria.misfit
 
     def plain_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
-        """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried."""
+        """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried.
+
+        A factor is in all logs, as a unit is: of a single one among several none is tried.
+        """
         found = [remedy for joint in doubted for remedy in reversals(joint)]
         found += [exchanged([one], [other])[0] for one, other in combinations(doubted, 2)]
         found += [exchanged(*limbs)[0] for limbs in self._limbs]
         for joint in doubted:
-            for sign in (1.0, -1.0) if len(self._coupled[joint]) == 1 else ():
+            for sign in (1.0, -1.0) if self._every and len(self._coupled[joint]) == 1 else ():
                 beyond = pooled(self.expected, joint, sign)
                 if beyond.any > beyond.described:
                     found.append(scaled_effort(joint, sign * beyond.gain))

@@ -21,7 +21,17 @@ from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
-MOMENTS = ("q", "dq", "ddq", "acc", "gyro", "gyro_dot", "effort", "wrenches")  # of a snapshot, along the first axis
+MOMENTS = (
+    "q",
+    "dq",
+    "ddq",
+    "way",
+    "acc",
+    "gyro",
+    "gyro_dot",
+    "effort",
+    "wrenches",
+)  # of a snapshot, along the first axis
 
 
 @final
@@ -29,7 +39,8 @@ MOMENTS = ("q", "dq", "ddq", "acc", "gyro", "gyro_dot", "effort", "wrenches")  #
 class Snapshot:
     """N moments of one log, low-passed; J joints, S contact sensors.
 
-    q, dq, ddq: (N, J). acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
+    q, dq, ddq: (N, J). way: (N, J) that a joint went since it last turned.
+    acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
     late: (LAGS, N, J) the same, from so much later; lags: (LAGS,) [s].
     wrenches: (N, S, 6) world on robot, in sensor frames. late_wrenches: (LAGS, N, S, 6) the same, from so much later.
@@ -42,6 +53,7 @@ class Snapshot:
     q: Array
     dq: Array
     ddq: Array
+    way: Array
     acc: Array
     gyro: Array
     gyro_dot: Array
@@ -104,6 +116,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         q=q[at],
         dq=dq[at],
         ddq=ddq[at],
+        way=way_since_turn(q, dq)[at],
         acc=acc,
         gyro=gyro,
         gyro_dot=gyro_dot,
@@ -119,6 +132,13 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         recording=recording,
         criteria=criteria,
     )
+
+
+def way_since_turn(q: Array, dq: Array) -> Array:
+    """(T, J) of positions and velocities, from the first sample on."""
+    turns = np.diff(dq > 0.0, axis=0, prepend=dq[:1] > 0.0)
+    at = np.maximum.accumulate(np.where(turns, np.arange(len(q))[:, None], 0), axis=0)
+    return np.abs(q - np.take_along_axis(q, at, axis=0))
 
 
 def _shifts(latest: int, settle: int, most: int) -> NDArray[np.intp]:

@@ -23,7 +23,7 @@ def problem():
 
 
 @pytest.mark.parametrize(("effect", "shape"), [
-    (crosstalk(3, 1), ()), (zero_drift(), ()), (delay(), (0.004,)), (spring("xy"), (5.0, 0.4)),
+    (crosstalk(3, 1), ()), (zero_drift(), (0.0,)), (delay(), (0.004,)), (spring("xy"), (5.0, 0.4)),
     (second_body(), (0.2, -0.1, 0.1, 4.0, 0.2)),
 ])  # fmt: skip
 @pytest.mark.slow

@@ -51,6 +51,7 @@ def make_trial(device: str, motion: str, number: int) -> Trial:
         measured,
         {channel: values - noise for channel, values in measured.items()},
         {channel: 0.8 * values for channel, values in measured.items()},
+        {},
     )
     prediction = Prediction(log, True, time, dict.fromkeys(measured, "N·m"), channels)
     length = 0.62 + 0.05 * shape

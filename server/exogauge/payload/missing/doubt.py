@@ -117,6 +117,17 @@ def slightly_inclined(
     return told, doubt
 
 
+def of_unexplained(problem: Problem) -> Array:
+    """(18, 18) square of what nothing explains, were it in the numbers of body, zero and turn as it is in what is left:
+    as large in each of them as what is left would be in one number, were it of as many. By slow means: what is fast,
+    as knocks, averages out."""
+    slow = problem.slow()
+    slow = slow.of([replace(each, memory=1.0) for each in slow.stretches])
+    found = fit(slow, [])
+    share = max(found.rss - found.rows, 0.0) / SIZE
+    return np.asarray(share * found.covariance)
+
+
 def is_foretold(problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch) -> NDArray[np.bool_]:
     """(6,) whether what was fitted says what a channel should read to better than its floor, were there nothing but
     noise: else what is left there tells nothing."""

@@ -113,7 +113,7 @@ def left_with(
 
 def with_best_shape(
     problem: Problem, named: Sequence[Named], fitted: Fitted, effect: Effect,
-    starts: Sequence[Sequence[float]], near: float,
+    starts: Sequence[Sequence[float]], near: float = 0.1,
 ) -> Named:  # fmt: skip
     """The shape that leaves least, from the best of some starts. near: how far it is looked for, in shares of a range
     where there is but one."""

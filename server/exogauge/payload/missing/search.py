@@ -28,6 +28,7 @@ from exogauge.payload.missing.doubt import (
     is_foretold,
     numbers,
     numbers_with_std,
+    of_unexplained,
     slightly_inclined,
     slightly_late,
     swings,
@@ -171,6 +172,11 @@ def find_missing(
 ) -> Missing:  # fmt: skip
     """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed. others: in which
     something may touch, so that they decide nothing at all."""
+    latest = criteria.payload.latest_s
+    fitted, held_out = (
+        [each if each.still else each.using(each.inside(latest) & each.inside(-latest)) for each in some]
+        for some in (fitted, held_out)
+    )
     problem = Problem(fitted, frame, inclined, criteria)
     effects = catalogue(fitted, inclined, criteria.payload)
     named: list[Named] = []
@@ -186,6 +192,7 @@ def find_missing(
                        if winner.evidence - each.evidence < criteria.payload.rival)  # fmt: skip
         named.append(by_slow_means(problem, named, winner.named) if swings(winner.named.effect) else winner.named)
         claims.append((winner, rivals))
+        _again(problem, named)
         problem, base = _settled(problem, named)
     found = [_told(problem, base, named, k, *claim) for k, claim in enumerate(claims)]
     own = [each for stretch in held_out for each in _of_its_own(problem, base, named, stretch)]
@@ -221,20 +228,27 @@ def find_missing(
     ):
         leans, turned = slightly_inclined(problem, base, named)
         slight = slight + turned
-    return Missing(
+    told = Missing(
         claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + slight,
         late and late[:2], leans, slight,
     )  # fmt: skip
+    if told.decision.verdict == "unexplained" or (told.found and not told.in_the_model):
+        more = of_unexplained(first_problem)
+        told = replace(told, doubt=told.doubt + more, slight_doubt=told.slight_doubt + more)
+    return told
 
 
 def _course(
     problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch,
     own: Sequence[tuple[Finding, str, Array]],
 ) -> Array:  # fmt: skip
-    """(T, 6) what of a wrench is not that of the body, the zero and noise."""
+    """(T, 6) what of a wrench is not that of the body, the zero and noise; NaN where it is of a time before the log or
+    after it."""
     rigid = design(problem.frame, stretch, []) @ found.x[:SIZE]
     course = stretch.wrench - residuals(problem.frame, stretch, named, found.x) - rigid
-    return np.asarray(course + sum(wrench for _, log, wrench in own if log == stretch.name))
+    course = course + sum(wrench for _, log, wrench in own if log == stretch.name)
+    inside = stretch.still | stretch.inside(sum(each.shape[0] for each in named if each.effect.retimed))
+    return np.asarray(np.where(inside[:, None], course, np.nan))
 
 
 def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> list[Effect]:
@@ -260,6 +274,15 @@ def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]
     return problem, fit(problem, named)
 
 
+def _again(problem: Problem, named: list[Named]) -> None:
+    """Single shapes of those that were named before the last, beside all: they stood for a part of it."""
+    for k, each in enumerate(named[:-1]):
+        if len(each.effect.bounds) == 1:
+            others = [*named[:k], *named[k + 1 :]]
+            starts = [each.shape, *each.effect.starts]
+            named[k] = with_best_shape(problem, others, fit(problem, others), each.effect, starts)
+
+
 def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
     """Whether any log's channel is above its floor by more than its samples' chance: there a name is looked for."""
     for values in in_floors(problem, base.residual):
@@ -273,7 +296,6 @@ def _best(
     problem: Problem, named: Sequence[Named], base: Fitted, effects: Sequence[Effect], held_out: Sequence[Stretch]
 ) -> list[_Candidate]:
     """What may be claimed, most evidence first."""
-    broadly = 0.1  # how far from its start a single shape is looked for, in shares of its range
     taken = {(each.effect.name, each.effect.place) for each in named}
     coarse = problem.coarse()
     on_coarse = fit(coarse, named)
@@ -281,7 +303,7 @@ def _best(
     for effect in effects:
         if (effect.name, effect.place) in taken:
             continue
-        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, broadly)
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts)
         evidence = _evidence(problem, named, base, candidate, len(effects))
         if evidence > problem.criteria.payload.worth:
             scored.append((evidence, candidate))

@@ -62,12 +62,22 @@ def zero_step(log: str, time: Array) -> Effect:
 
 
 def zero_drift() -> Effect:
-    """The zero moves on evenly through every log with motion."""
+    """The zero moves on through a session and settles; where clocks do not say when a log was, evenly through every log
+    with motion."""
+    fastest = 0.2  # 1/s: what settles within seconds is a step
 
-    def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
-        return _every_channel(np.zeros(len(stretch.wrench)) if stretch.still else stretch.time - stretch.time[0])
+    def columns(_frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        if stretch.session is None:
+            return _every_channel(np.zeros(len(stretch.wrench)) if stretch.still else stretch.time - stretch.time[0])
+        settling = max(shape[0], 1e-9)
+        return _every_channel(-np.expm1(-settling * stretch.session) / settling)
 
-    return Effect("zero_drift", "sensor", _of_channels("/s"), columns, _as_they_are)
+    def told(_frame: Frame, shape: Array, value: Array) -> Array:
+        return np.concatenate([shape, value])
+
+    starts = tuple((each * fastest,) for each in (0.0, 0.03, 0.1, 0.2, 0.4))
+    parameters = (("settling", "1/s"), *_of_channels("/s"))
+    return Effect("zero_drift", "sensor", parameters, columns, told, ((0.0, fastest),), starts)
 
 
 def crosstalk(read: int, of: int, criteria: Carrying = USUAL) -> Effect:
@@ -99,7 +109,8 @@ def delay(criteria: Carrying = USUAL) -> Effect:
     def told(_frame: Frame, shape: Array, _value: Array) -> Array:
         return 1e3 * shape
 
-    starts, latest = ((-0.01,), (0.005,), (0.02,)), criteria.latest_s
+    latest = criteria.latest_s
+    starts = tuple((float(each),) for each in np.linspace(-0.8, 0.8, 5) * latest)
     return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
 
 

@@ -25,7 +25,7 @@ class Stretch:
     """name: of the log. motion, wrench (T, 6) [N, N·m]. floor: (6,) std of a sample by noise of sensor and kinematics.
     rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}; turning: (T, 3, 3) [1/s²] what p adds to
     that at p. still: means of postures. use: (T,) which samples count. memory: how many of them count as one. block:
-    samples whose mean is one row."""
+    samples whose mean is one row. session: (T,) [s] since the first log began; None where clocks say nothing of it."""
 
     name: str
     motion: SensorMotion
@@ -38,6 +38,7 @@ class Stretch:
     still: bool = False
     memory: float = 1.0
     block: int = 1
+    session: Array | None = None
 
     @property
     def time(self) -> Array:
@@ -46,6 +47,10 @@ class Stretch:
 
     def using(self, which: NDArray[np.bool_]) -> Stretch:
         return replace(self, use=self.use & which)
+
+    def inside(self, late: float) -> NDArray[np.bool_]:
+        """(T,) whether the log tells of the time `late` [s] before a sample."""
+        return np.asarray((self.time - late >= self.time[0]) & (self.time - late <= self.time[-1]))
 
     def without(self, spans: Sequence[tuple[float, float]]) -> Stretch:
         """spans: from, to [s] of what does not count."""

@@ -11,7 +11,7 @@ EFFECTS = {
     "inclination": "the base is inclined",
     "zero_of_log": "the sensor's zero is another one in {place}",
     "zero_step": "the sensor's zero jumps in {place}",
-    "zero_drift": "the sensor's zero moves on while it moves",
+    "zero_drift": "the sensor's zero drifts",
     "crosstalk": "crosstalk: {place}",
     "gain": "a wrong gain of {place}",
     "calibration": "gains of the {place} against their mean, and crosstalk",
