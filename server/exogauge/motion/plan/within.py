@@ -31,10 +31,10 @@ def plan_within(
         return _at_home(robot, asked, criteria, rate, rest)
     planned = plan(robot, asked, criteria, report, stop)
     judged = _judged(robot, asked, planned, criteria, rate)
-    uneven = judged.evenly > 1.0 + criteria.beyond
+    uneven = judged.evenly > 1.0
     if not (judged.broken or uneven) or planned.unsettled or float(planned.excess.max()) > criteria.over:
         return planned, _with_reasons(planned, judged, rest)
-    stricter = replace(criteria, wrench=criteria.evenly) if uneven else criteria
+    stricter = criteria
     if judged.broken:
         stricter = replace(
             stricter, kept=criteria.kept - criteria.more_kept, margin_m=criteria.margin_m + criteria.more_m
@@ -43,11 +43,18 @@ def plan_within(
         stricter = replace(stricter, apart_m=criteria.apart_m + criteria.more_m)
     if judged.least_inside is not None and judged.least_inside < criteria.inside_m:
         stricter = replace(stricter, calm=criteria.calmer)
-    again = plan(robot, asked, stricter, report, stop)
-    found = _judged(robot, asked, again, criteria, rate)
-    if (len(found.broken), found.evenly) < (len(judged.broken), judged.evenly):
-        return again, _with_reasons(again, found, rest)
-    return planned, _with_reasons(planned, judged, rest)
+    best = planned, judged
+    for wrench in criteria.evenly if uneven else (criteria.wrench,):
+        again = plan(robot, asked, replace(stricter, wrench=wrench), report, stop)
+        best = min(best, (again, _judged(robot, asked, again, criteria, rate)), key=_breaks)
+        if _breaks(best) == (0, 1.0):
+            break
+    return best[0], _with_reasons(*best, rest)
+
+
+def _breaks(found: tuple[Planned, Judged]) -> tuple[int, float]:
+    """Bounds, and how far beyond its own a leg's torque is where the feet share the load evenly."""
+    return len(found[1].broken), max(1.0, found[1].evenly)
 
 
 def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: MotionPlan, rate: float | None) -> Judged:
