@@ -21,9 +21,11 @@ from exogauge.experiment.workspace_limits import Room
 from exogauge.findings.planned_motion import Sweep
 from exogauge.motion.excite.search import Task
 from exogauge.motion.excite.task import task_of
+from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.description import Robot
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 from exogauge.studies.intake.robot_file import load_robot
 from exogauge.synthetic.urdf import robot_urdf
 
@@ -96,6 +98,23 @@ class Played:
 
     def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return self.path(time), self.path(time, 1), self.path(time, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("share", "keeps"), [(0.97, False), (1.03, True)])
+def test_what_a_leg_cannot_bear_is_not_asked(reach: Reach, path: Path, share: float, keeps: bool) -> None:
+    """Legs carry what moves above them: their torques were not looked at."""
+    joints = swept(reach, "torso_pitch", Sweep("sine", 0.2, 0.1, 0.0, 0.3, 20.0, 4.0), 50.0)
+    robot = reach.stance.robot
+    whole = np.tile(robot.home, (len(joints), 1))
+    whole[:, robot.base + reach.order] = joints
+    seen = np.abs(judge(robot, Played(whole, 50.0), standing(robot), rate=50.0).torque)
+    hip = robot.joints.index("l_hip_pitch")
+    torque = load_motion_robot(path).limits.torque.copy()
+    torque[hip] = share * seen[:, hip].max() / Planning().of_top
+    assert seen[0, hip] < 0.5 * torque[hip]  # it can stand
+    weak = replace(load_motion_robot(path).limits, torque=torque)
+    assert reach_at_home(path, limits=weak).keeps(joints, 50.0, 50.0) is keeps
 
 
 @pytest.mark.slow

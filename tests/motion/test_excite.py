@@ -26,6 +26,7 @@ from exogauge.motion.excite.known import information_of
 from exogauge.motion.excite.promise import AS_STATED, planned_log
 from exogauge.motion.excite.search import Task, point
 from exogauge.motion.excite.task import by_encoders, task_of
+from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.stance import Standing
@@ -94,6 +95,29 @@ def test_the_gradient_of_a_standing_robot_is_that_of_differences(human: Path) ->
     for seed in range(2):
         exact, differences = along(of, x, 10.0, seed)
         assert exact == pytest.approx(differences, rel=1e-5, abs=1e-5)
+
+
+def test_legs_torques_are_those_of_feet_that_share_evenly_and_they_pull(human: Path) -> None:
+    """As `plan.judge` says them, which a search did not know; with bounds so low that they alone pull."""
+    of = bare(task(human, 4.0, replace(QUICK, kept=0.9)))
+    robot = of.stance.robot
+    legs = np.concatenate([robot.leg(foot) for foot in (0, 1)]) - robot.base
+    torque = np.full(len(robot.joints), np.inf)
+    torque[legs] = 25.0
+    robot = replace(robot, limits=replace(robot.limits, torque=torque))
+    x = random_motion(of, np.random.default_rng(3))
+    of = replace(of, bounds=replace(of.bounds, robot=robot))
+    assert of.largest(x, 50.0)[1].startswith("torque of")
+    planned = Excited(of, x)
+    judged = judge(robot, planned, of.stance.place, rate=20.0)
+    whole = planned.at(judged.time)
+    found = {name: share for part in of.bounds.parts(*whole, of.loads(of.motion(whole)))
+             for name, share in zip(part.names, part.share.T, strict=True)}  # fmt: skip
+    for k in legs:  # of a bound and its other side the latter is named last
+        assert found[f"torque of {robot.joints[k]}"] == pytest.approx(-judged.torque[:, k] / 25.0, abs=1e-4)
+    for seed in range(2):
+        exact, differences = along(of, x, 1000.0, seed)  # feet are held to 1e-9 m, which shows in differences
+        assert exact == pytest.approx(differences, rel=2e-4)
 
 
 def test_what_a_turning_base_feels_and_its_slopes() -> None:

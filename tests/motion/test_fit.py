@@ -136,6 +136,17 @@ def test_optitracks_markers_are_known_by_their_places(tmp_path: Path) -> None:
     assert np.ptp(np.degrees(fit_human(motion).trunk[:, 0])) == pytest.approx(40.0, abs=1.0)
 
 
+def test_one_of_two_people_is_fitted_when_named_by_the_command(tmp_path: Path, capsys) -> None:
+    """It was told to say which, and knew no option to."""
+    bow = bowing().markers
+    two = np.concatenate([bow.position, bow.position + np.array([0.0, 2.0, 0.0])], axis=1)[::10]
+    labels = tuple(f"{who}:{label}" for who in ("Ann", "Ben") for label in bow.labels)
+    file = str(trc(tmp_path / "two.trc", two, labels=labels))
+    assert main(["motion", "fit", file]) == 2
+    assert "Ann, Ben" in capsys.readouterr().err
+    assert main(["motion", "fit", file, "--subject", "Ben"]) == 0
+
+
 @pytest.fixture(scope="module")
 def captured(tmp_path_factory: pytest.TempPathFactory) -> HumanMotion:
     if not CAPTURED.is_file():

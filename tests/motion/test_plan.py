@@ -314,6 +314,28 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
+@pytest.mark.slow
+def test_legs_bear_a_plan_where_the_feet_share_evenly_too(robot: MotionRobot, tmp_path: Path) -> None:
+    """A table does not say how they share: the knee that a plan spared by leaning on the other was told as broken."""
+    asked = bend(robot, 0.5, 1.0)
+    asked.q[:, 1] += 0.1 * (asked.q[:, at(robot, "torso_pitch")] - robot.home[at(robot, "torso_pitch")])
+    knee = robot.joints.index("l_knee_pitch")
+    torque = robot.limits.torque.copy()
+    torque[knee] = 0.9 * np.abs(judge(robot, plan(robot, asked).spline, asked.place[0]).torque[:, knee]).max()
+    spared = replace(robot, limits=replace(robot.limits, torque=torque))
+    alone = plan(spared, asked)
+    assert judge(spared, alone.spline, asked.place[0], planned=alone).broken == ()
+    assert [line.split(":")[0] for line in judge(spared, alone.spline, asked.place[0]).broken] == [
+        "torque of l_knee_pitch"
+    ]
+    _, judged = plan_within(spared, asked)
+    assert judged.broken == ()
+    assert judged.evenly < 1.0
+    (tmp_path / "m.csv").write_bytes(motion_table(spared, judged))
+    table = read_written(spared, tmp_path / "m.csv")
+    assert judge(spared, table, asked.place[0], rate=1000.0, planned=table).broken == ()
+
+
 def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
     robot: MotionRobot, tmp_path: Path
 ) -> None:
@@ -744,6 +766,29 @@ def test_the_trunk_is_asked_as_the_person_turns_it(robot: MotionRobot) -> None:
     assert ask(robot, leans)[1].max() == pytest.approx(0.2, abs=1e-3)
 
 
+def test_a_robot_that_faces_elsewhere_is_asked_the_same(robot: MotionRobot, folder: Path, tmp_path: Path) -> None:
+    """A root link that looks to the right, or back as iCub's: the base was asked to turn round on feet that stay."""
+    whole = yaml.safe_load((folder / "robot.yaml").read_text())
+    fixed = '<link name="stand"/><joint name="on" type="fixed"><parent link="stand"/><child link="BODY"/>'
+    fixed += f'<origin rpy="0 0 {-np.pi / 2}"/></joint></robot>'
+    (tmp_path / "robot.urdf").write_text(robot_urdf().replace("</robot>", fixed))
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(whole | {"base_link": "stand"}))
+    other = load_motion_robot(tmp_path / "robot.yaml")
+    s = np.sin(np.linspace(0.0, np.pi, 31))[:, None] ** 2
+    turn, trunk = (Rotation.from_euler("ZXY", s * angles).as_matrix() for angles in ([0.3, 0.1, 0.2], [0.2, 0.0, 0.5]))
+    person = Person("p", np.arange(31) / 30.0, s * [0.1, 0.05, -0.02], turn, trunk, {}, 0.8)
+    (here, _), (there, _) = ask(robot, person, SOON), ask(other, person, SOON)
+    for one, two in zip(here.q, there.q, strict=True):
+        seen = []
+        for each, q in ((robot, one), (other, two)):
+            pin.forwardKinematics(each.model, each.data, q)
+            chest, body = (pin.updateFramePlacement(each.model, each.data, each.frame(n)) for n in ("chest", "BODY"))
+            pin.forwardKinematics(each.model, each.data, each.home)
+            begin = pin.updateFramePlacement(each.model, each.data, each.frame("BODY"))
+            seen.append(np.stack([(begin.inverse() * pose).homogeneous for pose in (chest, body)]))
+        assert seen[0] == pytest.approx(seen[1], abs=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not (CAPTURES.is_dir() and JVRC.is_file()), reason="../shared/data/model_jvrc1 is not there")
 def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
@@ -772,8 +817,10 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
         amc.write_bytes(packed.read())
     asked, missed = ask(other, person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 2.6), SOON)
     assert missed.max() < 1e-3  # three joints express any turn
-    planned = plan(other, asked)
-    assert judge(other, planned.spline, asked.place[0], planned=planned).broken == ()
+    planned, judged = plan_within(other, asked)
+    assert judged.broken == ()
+    for feet in (planned, None):  # as they share the load in the plan, and evenly
+        assert judge(other, planned.spline, asked.place[0], rate=1000.0, planned=feet).broken == ()
 
 
 @pytest.mark.slow
@@ -784,7 +831,7 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
     with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
         amc.write_bytes(packed.read())
     person = person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, until)
-    asked, _ = ask(robot, person, SOON)
+    asked, _ = ask(robot, person)
     planned = plan(robot, asked)
     upper = np.array(robot.beyond("thorax") + robot.torso)
     torso = robot.base + np.array(robot.torso)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import ezc3d
@@ -312,6 +313,16 @@ def test_presets_name_both_sides_and_no_part_that_there_is_not() -> None:
             "l_" + part[2:] for part in parts if part.startswith("r_")
         }
         assert {"pelvis", "thorax", "l_thigh", "l_shank", "l_foot"} <= parts
+
+
+def test_the_command_takes_what_bones_are_called_elsewhere(tmp_path, capsys) -> None:
+    path = tmp_path / "a.bvh"
+    path.write_bytes(bvh(bow()).replace(b"LeftUpLeg", b"Schenkel"))
+    assert main(["motion", "import", str(path), "--json"]) == 0
+    assert "Schenkel" in json.loads(capsys.readouterr().out)["unknown"]
+    assert main(["motion", "import", str(path), "--json", "--name", "Schenkel=LeftUpLeg"]) == 0
+    assert json.loads(capsys.readouterr().out)["renamed"] == "Schenkel = LeftUpLeg"
+    assert main(["motion", "import", str(path), "--name", "Schenkel"]) == 2
 
 
 def test_the_command_says_what_a_file_is_and_hands_it_out(tmp_path, capsys) -> None:

@@ -108,10 +108,10 @@ def stops(rng: np.random.Generator, count: int) -> tuple[Array, Array, Array]:
 def write(
     out: Path, seed: int, *, spoil: Spoil | None = None, colour: float = 0.0, postures: int = 14, seconds: float = 16.0,
     size: float = 0.4, sees: str | None = "payload_on_sensor", tests: bool = True,
-    shaken: tuple[int, ...] = (0, 1, 2, 3, 4),
+    shaken: tuple[int, ...] = (0, 1, 2, 3, 4), noise: float = 1.0,
 ) -> Truth:  # fmt: skip
     """payload.yaml, arm.urdf, still.csv, shake.csv and other.csv. colour: what one sample of the wrench's noise hands
-    on to the next. shaken: joints that move in shake.csv."""
+    on to the next. shaken: joints that move in shake.csv. noise: of what is stated, the share that the wrench has."""
     rng = np.random.default_rng(seed)
     m, c = rng.uniform(1.5, 4.0), np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(0.05, 0.15)])
     root = rng.uniform(0.03, 0.12, 3)
@@ -135,10 +135,10 @@ def write(
         spin = np.einsum("tij,tj->ti", I, w)
         n = np.einsum("tij,tj->ti", I, al) + _cross(w, spin) + _cross(arm, f)
         read = -np.concatenate([np.einsum("tji,tj->ti", R, each) for each in (f, n)], axis=1) + zero
-        noise = rng.standard_normal((len(q), 6))
-        for k in range(1, len(noise)):
-            noise[k] = colour * noise[k - 1] + np.sqrt(1.0 - colour**2) * noise[k]
-        read = read + noise * np.repeat([FORCE_NOISE, MOMENT_NOISE], 3)
+        white = rng.standard_normal((len(q), 6))
+        for k in range(1, len(white)):
+            white[k] = colour * white[k - 1] + np.sqrt(1.0 - colour**2) * white[k]
+        read = read + noise * white * np.repeat([FORCE_NOISE, MOMENT_NOISE], 3)
         angles = q + ANGLE_NOISE * rng.standard_normal(q.shape)
         table = np.column_stack([3.0 + PERIOD * np.arange(len(q)), angles, read])
         table = table if spoil is None else spoil(name, table)

@@ -199,6 +199,17 @@ def test_a_push_is_seen_timed_and_measured_and_does_not_change_the_payload() -> 
     assert known[-1].left_out > 250
 
 
+def test_a_stream_with_another_zero_says_that_it_learns_nothing() -> None:
+    """Tared since: all of it is an alarm, and what is told is what was known before."""
+    q, wrench = case(0).excitation
+    _, known = run(Live(start(0)), q, wrench + np.array([5.0, -4.0, 3.0, 0.3, 0.2, -0.3]))
+    assert known[-1].estimate.used < 50
+    assert not known[20].in_doubt
+    assert len(known[-1].in_doubt) == 1
+    assert "zero" in known[-1].in_doubt[0]
+    assert not excited(0)[2][-1].in_doubt
+
+
 @pytest.mark.slow
 def test_alarms_without_contact_are_as_rare_as_stated() -> None:
     """One sample in a hundred, over seeds: in fast motion after the excitation, and at rest."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tests.payload import foreign
 
+from exogauge.payload.contract import Role
 from exogauge.payload.evaluate import Evaluation, evaluate
 from exogauge.payload.intake import Payload, open_payload
 from exogauge.payload.live import Known, Live
@@ -34,13 +35,16 @@ def off(found: Evaluation, truth: foreign.Truth) -> Array:
     return np.asarray((chosen.value - truth.x) / chosen.std)
 
 
-def streamed(folder: Path, truth: foreign.Truth, at_once: int = 20) -> tuple[Array, Known]:
-    """(16,) errors in standard deviations at the end of the excitation, and all that is known then."""
+def streamed(
+    folder: Path, truth: foreign.Truth, role: Role = "excitation", after: tuple[Role, ...] = ("postures",)
+) -> tuple[Array, Known]:
+    """(16,) errors in standard deviations at the end of a log, and all that is known then. after: what was known."""
     payload, known = open_payload(folder), None
-    live = Live(replace(start_of(still(folder)), pose=pose_of(payload)), foreign.RATE)
-    log = payload.of("excitation")[0]
-    for k in range(0, len(log.pose.time), at_once):
-        part = slice(k, k + at_once)
+    before = replace(payload, recordings=tuple(each for each in payload.recordings if each.role in after))
+    live = Live(replace(start_of(before), pose=pose_of(payload)), foreign.RATE)
+    log = payload.of(role)[0]
+    for k in range(0, len(log.pose.time), 20):
+        part = slice(k, k + 20)
         for each in live.push(log.pose.time[part], log.pose.values[part], log.wrench.values[part]):
             known = each if isinstance(each, Known) else known
     assert known is not None

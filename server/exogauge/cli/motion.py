@@ -25,7 +25,6 @@ def add_commands(commands: Commands) -> None:
     steps = motion.add_subparsers(dest="step", required=True, metavar="STEP")
     read = steps.add_parser("import", help="read a file of markers or of a skeleton, and say what it is")
     _add_capture(read, "C3D, TRC, MOT, STO, BVH or AMC")
-    read.add_argument("--subject", metavar="PREFIX", help="which one of several people")
     read.add_argument("--fill", action="store_true", help="close gaps: short ones by splines, others by rigid segments")
     read.add_argument("--json", action="store_true", help="as JSON")
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
@@ -112,12 +111,23 @@ def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
     step.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
     step.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
     step.add_argument("--unit", metavar="UNIT", help="m, cm, mm, in or cmu, where the file is silent or wrong")
+    step.add_argument("--subject", metavar="PREFIX", help="which one of several people")
+    step.add_argument("--name", metavar="OWN=KNOWN", action="append", default=[],
+                      help="what a label or bone is called elsewhere; once for each")  # fmt: skip
     step.add_argument("--angle", metavar="UNIT", help="deg or rad, where the file is silent or wrong")
 
 
 def _stated(args: argparse.Namespace) -> dict[str, Any]:
-    """What is said in place of the file."""
-    return {"up": args.up, "unit": args.unit, "angle": args.angle}
+    """What is said in place of the file. Raises BadMotion."""
+    from exogauge.errors import BadMotion, Fault
+
+    pairs = [each.partition("=") for each in args.name]
+    for own, _, known in pairs:
+        if not (own and known):
+            raise BadMotion(Fault("this names nothing", "bad_name", "OWN=KNOWN, as --name Brust=Spine2", None, None,
+                                  "--name", own or known))  # fmt: skip
+    names = {own: known for own, _, known in pairs}
+    return {"up": args.up, "unit": args.unit, "angle": args.angle, "subject": args.subject, "names": names}
 
 
 def fit_motion(args: argparse.Namespace) -> int:
@@ -308,7 +318,7 @@ def import_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.gaps import fill_gaps
     from exogauge.motion.summary import summarise, write_arrays
 
-    motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args), subject=args.subject)
+    motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args))
     if args.fill:
         motion = fill_gaps(motion)
     motion = with_contacts(motion)

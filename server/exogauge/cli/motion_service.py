@@ -57,7 +57,12 @@ def list_plans(args: argparse.Namespace) -> int:
 
 
 def uploaded(client: Client, args: argparse.Namespace) -> Motion:
-    said = {"up": args.up, "unit": args.unit, "angle": args.angle, "subject": getattr(args, "subject", None)}
+    from exogauge.errors import BadMotion, Fault
+
+    if args.name:
+        advice = "Hand it in without --name, and say the names on the page of the motion"
+        raise BadMotion(Fault("a service keeps names as a map", "names_as_map", advice, column="--name"))
+    said = {"up": args.up, "unit": args.unit, "angle": args.angle, "subject": args.subject}
     return client.upload_motion(args.file, args.skeleton, getattr(args, "static", None), **said)
 
 

@@ -23,6 +23,12 @@ class Streaming:
         0.2, "s", "left out after an alarm: a contact ends below the threshold", judgement(RULES)
     )
     lately_s: float = criterion(0.5, "s", "without a sample that was used: the estimate is frozen", judgement(RULES))
+    barred_s: float = criterion(
+        5.0,
+        "s",
+        "of motion in alarm, more than was used: what rests on the payload so long may be another zero",
+        judgement(RULES),
+    )
     block: int = criterion(
         25,
         "samples",

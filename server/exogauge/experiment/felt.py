@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from exogauge.identification.preparation import wrench_channels
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
+from exogauge.robots.moving.strain import EVENLY
 from exogauge.robots.regressor import contact_effect
 
 Array = NDArray[np.float64]
-
-SHARES = np.tile([1.0, 1.0, 1.0, 0.01, 0.01, 0.01], 2)  # of feet's forces and moments, as `plan.judge` shares them
 
 
 def felt_channels(robot: Robot, motion: Motion, loads: Array) -> dict[str, Array]:
@@ -35,7 +34,7 @@ def felt_channels(robot: Robot, motion: Motion, loads: Array) -> dict[str, Array
 def feet_wrenches(robot: Robot, motion: Motion, loads: Array) -> list[Array]:
     """(T, 6) of each contact sensor: the smallest that carry and move the robot."""
     paths = _paths(robot, motion)[:, :6]
-    share = SHARES[: paths.shape[2]]
+    share = np.tile(EVENLY, paths.shape[2] // 6)
     driven = np.einsum("tik,k,tjk->tij", paths, share, paths)
     carried = np.linalg.solve(driven, loads[:, :6, None])
     wrench = share * np.einsum("tik,ti->tk", paths, carried[..., 0])

@@ -106,7 +106,12 @@ def person_of(motion: HumanMotion) -> Person:
     needed: tuple[Segment, ...] = ("pelvis", "thorax", "l_thigh", "r_thigh", "l_foot", "r_foot")
     lost = [part for part in needed if part not in bones]
     if lost:
-        raise _fault(motion, f"no bone stands for {', '.join(lost)}", "no_segment", "Name its bones: see `unknown`")
+        raise _fault(
+            motion,
+            f"no bone stands for {', '.join(lost)}",
+            "no_segment",
+            "Say what its bones are called elsewhere (--name OWN=KNOWN): see `unknown`",
+        )
     rest = tree.rest_position
     left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
     level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]

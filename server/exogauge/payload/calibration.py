@@ -66,6 +66,15 @@ class Seen:
         flat = z.reshape(len(z), 6 * WIDTH)
         return Seen((flat.T @ flat).reshape(6, WIDTH, 6, WIDTH), weight)
 
+    def of_zero(self, more: Array) -> Seen:
+        """As if the zero had been less by so much, (6,) [N, N·m]."""
+        gram = self.gram.copy()
+        for i in range(6):
+            gram[i, -1] -= more[i] * gram[i, 10 + i]
+        for i in range(6):
+            gram[:, :, i, -1] -= more[i] * gram[:, :, i, 10 + i]
+        return Seen(gram, self.weight)
+
 
 def live_rows(rows: Rows, x: Array) -> Array:
     """(T, 6, 19) in N and N·m, of a payload x (16,)."""

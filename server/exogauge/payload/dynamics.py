@@ -124,7 +124,7 @@ def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int,
     """
     z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
     fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
-    turned = np.stack([np.cross(axis, gravity) for axis in upright(gravity)[:2]], axis=1)
+    turned = np.cross(upright(gravity)[:2], gravity).T
     return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned)
 
 

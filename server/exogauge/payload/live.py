@@ -174,10 +174,16 @@ class Live:
         return LiveFit(start.prior, start.believed, start.criteria, named=named, calibration=start.calibration)
 
     def _in_doubt(self, estimate: Estimate) -> tuple[str, ...]:
-        if estimate.mu is None or estimate.mu_std is None or estimate.mu < 1.0:
-            return self.start.in_doubt
-        reading = reading_of_mu(estimate.mu, estimate.mu_std, criteria=self.start.criteria.payload_dynamic)
-        return self.start.in_doubt if reading is None else (*self.start.in_doubt, reading)
+        said = list(self.start.in_doubt)
+        if self.left_out > max(self._says.barred_s * self.rate_hz, estimate.used):
+            said.append(
+                "Most of the motion is in alarm and teaches nothing: something rests on the payload, or it is another "
+                "one, or the sensor's zero is another than before. Stop in postures anew, or take the zero."
+            )
+        if estimate.mu is not None and estimate.mu_std is not None and estimate.mu >= 1.0:
+            reading = reading_of_mu(estimate.mu, estimate.mu_std, criteria=self.start.criteria.payload_dynamic)
+            said += [] if reading is None else [reading]
+        return tuple(said)
 
     def _late(self, estimate: Estimate) -> tuple[float, float] | None:
         """By how much wrenches are late. Where that is more than chance it is taken off from now on, and the fit begins

@@ -62,6 +62,7 @@ class LiveFit:
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
         self.named, self._latest = named, criteria.payload.latest_s
         self._surer = criteria.payload_dynamic.decided
+        self._released = np.diag(prior.covariance)[10:16] >= criteria.payload_dynamic.released**2
         self._known = prior_information(prior)
         self.recursion = Recursion(16, prior.rows, start=prior.value, criteria=criteria.payload_dynamic)
         self.used = 0
@@ -146,7 +147,8 @@ class LiveFit:
         if self._calibration is None:
             return estimate
         share = 1.0 / (max(estimate.mu or 1.0, 1.0) * self._calibration.memory)
-        more = [Seen(each.gram, each.weight * share) for each in self._read]
+        other = np.where(self._released, estimate.value[10:16] - self.prior.value[10:16], 0.0)
+        more = [Seen(each.gram, each.weight * share).of_zero(other) for each in self._read]
         of = [*self._calibration.still, *self._calibration.moving, *more]
         doubt = self._calibration.doubt(estimate.value[:10], of, more)[:16, :16]
         covariance = estimate.covariance + doubt

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.criteria.payload_dynamic import Moving
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.calibration import Calibration, uncalibrated
 from exogauge.payload.contract import PayloadFile
@@ -46,12 +47,14 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     believed, late = np.sqrt(np.diag(prior.covariance)), None
     calibration: Calibration = uncalibrated(declared_of(payload.file, criteria))
     in_doubt: tuple[str, ...] = ()
+    zero: str = settings.zero
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
         late = _late(found)
         sign, stages = found.sign, found.stages
-        if late is None and found.rigid is not None and not found.missing.calibrated:
-            # but for a delay and the sensor's calibration, what was named missing is not taken out live
+        zero = "drifted" if _of_zeros(found) else zero
+        if late is None and found.rigid is not None and not found.missing.calibrated and not _of_zeros(found):
+            # but for a delay, the sensor's calibration and a zero, what was named missing is not taken out live
             stages = found.rigid
         assert stages.calibration is not None
         assert stages.exact is not None
@@ -61,7 +64,7 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
             prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
         if stages.excitation is not None:
-            prior = _after(stages.excitation.chosen, prior, settings.zero)
+            prior = _after(stages.excitation.chosen, zero, criteria.payload_dynamic)
     else:
         sign = stated_sign(payload)
     return Start(
@@ -82,10 +85,18 @@ def _in_doubt(found: Evaluation) -> tuple[str, ...]:
     if missing.decision.verdict == "unexplained":
         return ("The logs leave something that nothing explains: what is told live does not hold.",)
     taken = {"gain", "crosstalk", "calibration", *(["delay"] if _late(found) is not None else [])}
+    taken |= {"zero_of_log", "zero_step"} if _of_zeros(found) else set()
     names = [name_of(each.effect, each.place) for each in missing.found if each.effect not in taken]
     if not names:
         return ()
     return (f"By the logs: {'; '.join(names)}. That is not taken out live: what is told does not hold.",)
+
+
+def _of_zeros(found: Evaluation) -> bool:
+    """Whether logs say that the zero is another one now and then, and that nothing else is missing: a stream then
+    begins with none."""
+    names = [each.effect for each in found.missing.found]
+    return found.missing.in_the_model and all(name.startswith("zero") for name in names)
 
 
 def _late(found: Evaluation) -> tuple[float, float] | None:
@@ -101,12 +112,12 @@ def _identifying(payload: Payload) -> list[Recording]:
     return [*payload.of("postures"), *payload.of("excitation")]
 
 
-def _after(found: DynamicSolution, before: Prior, zero: str) -> Prior:
+def _after(found: DynamicSolution, zero: str, criteria: Moving) -> Prior:
     """What the excitation left known; a zero that drifts is then another one again."""
     covariance, lean = found.covariance.copy(), found.lean.copy()
     if zero == "drifted":
         covariance[RELEASED], covariance[:, RELEASED] = 0.0, 0.0
-        covariance[RELEASED, RELEASED] = before.covariance[RELEASED, RELEASED]
+        covariance[RELEASED, RELEASED] = criteria.released**2 * np.eye(6)
         lean[RELEASED] = 0.0
     return Prior(found.value, covariance, lean)
 

@@ -198,8 +198,8 @@ def _up(
         return captured.up, f"read: {_name(captured.up)}"
     if tall is None:
         detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"
-        raise fault(path, detail, "no_up_axis", "Say by `names` what yours are called elsewhere, or say up = x, y or z",
-                    column="up", value=", ".join(unknown[:8]) or None)  # fmt: skip
+        advice = "Say what yours are called elsewhere (`names`, --name OWN=KNOWN), or up = x, y or z"
+        raise fault(path, detail, "no_up_axis", advice, column="up", value=", ".join(unknown[:8]) or None)
     mean = np.median(tall, axis=0)
     k = int(np.abs(mean).argmax())
     if abs(mean[k]) < USUAL.upright * np.linalg.norm(mean):

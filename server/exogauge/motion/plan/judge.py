@@ -15,12 +15,11 @@ from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.plan.spline import Trajectory
 from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.strain import EVENLY
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 N and of .1 N·m cost the same
 
 
 class Feet(Protocol):
@@ -46,7 +45,8 @@ class Judged:
     [m] its centre, in the world. inside: (T,) [m] of the centre of pressure from the edge of what the feet stand on,
     negative outside. Both are NaN where the feet carry less than `MotionPlan.least_weight`: a force that is next to
     nothing has its centre anywhere. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
-    two feet share the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
+    two feet share the load; evenly: largest share of a leg's bound where they share it evenly, 0 where nobody looked.
+    feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
     `MotionPlan.look_m` where none is nearer; nearest: that of all times, and when, None without shapes or where none
     comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound
     in words.
@@ -66,6 +66,7 @@ class Judged:
     nearest: tuple[str, str, float] | None
     left_out: tuple[tuple[str, str], ...]
     broken: tuple[str, ...] = field(default_factory=tuple)
+    evenly: float = 0.0
 
     @property
     def least_inside(self) -> float | None:
@@ -102,7 +103,7 @@ def judge(
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
     pressure, inside = np.full((T, 3), np.nan), np.full(T, np.nan)
     carried, torque, strays = np.empty(T), np.empty((T, J)), np.zeros((T, 2))
-    share = np.tile(np.repeat(SHARES, 3), len(frames))
+    share = np.tile(EVENLY, len(frames))
     for t in range(T):
         tau = pin.rnea(model, data, q[t], v[t], a[t])
         pin.computeJointJacobians(model, data, q[t])
@@ -161,9 +162,10 @@ def _over_bounds(
     limits, base = robot.limits, robot.base
     slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
     a, jerk = a[:, base:], slopes[:, base:]
+    outside = np.maximum(limits.lower - angle, angle - limits.upper)
     aside = np.where(angle > limits.upper, limits.upper, limits.lower)
     sizes = (  # what, share of the bound, what is counted, its bound
-        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle, aside),
+        ("position", 1.0 + outside * criteria.beyond / criteria.beyond_rad, angle, aside),
         ("velocity", np.abs(v) / limits.velocity, v, limits.velocity),
         ("acceleration", np.abs(a) / limits.acceleration, a, limits.acceleration),
         ("jerk", np.abs(jerk) / robot.jerk, jerk, robot.jerk),

@@ -97,6 +97,8 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
         said[what] = (
             "no bound is known" if not known else f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
         )
+    if judged.evenly > 1.0:
+        said["torque"] += f"; {100 * judged.evenly:.0f} % where the feet share the load evenly"  # type: ignore[operator]
     if judged.nearest is not None:
         *pair, when = judged.nearest
         said["nearest"] = f"{1e3 * judged.apart.min():.1f} mm, {' and '.join(pair)} at {when:.3f} s"

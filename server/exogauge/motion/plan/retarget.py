@@ -47,7 +47,8 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     feet = standing(robot)
     heading = float(turn[0].as_euler("ZXY")[0])  # the person's first pelvis faces where the robot does
     level = Rotation.from_euler("z", -heading)
-    q[:, 3:6] = np.unwrap((level * turn * Rotation.from_matrix(facing.T)).as_euler("ZXY"), axis=0)
+    ahead = Rotation.from_matrix(facing)
+    q[:, 3:6] = np.unwrap((ahead * level * turn * ahead.inv()).as_euler("ZXY"), axis=0)
     scale = _hip_height(robot) / person.hip_height
     q[:, :3] = home[:3] + scale * level.apply(place - place[0]) @ facing.T
     missed = np.empty(count)

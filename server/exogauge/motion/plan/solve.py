@@ -193,7 +193,8 @@ def _settle(
     settled = np.ones_like(asked.stands)  # where the feet can be moved
     settled[: ends.led] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
-    kept = spline, wrench, excess  # of the round before
+    kept = nearest = spline, wrench, excess  # of the round before; of the one that lacks least
+    lacked = np.inf
     least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
     whole = ((0.0, float(asked.time[-1])),)
     while True:
@@ -210,8 +211,10 @@ def _settle(
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
         if lacks < criteria.nearer * least[0] or size < criteria.nearer * least[1]:
             least, since = (min(lacks, least[0]), min(size, least[1])), rounds
+        if max(lacks, float(excess.max()) / criteria.over) < lacked:
+            lacked, nearest = max(lacks, float(excess.max()) / criteria.over), (spline, wrench, excess)
         if rounds >= criteria.rounds or rounds - since >= criteria.patience:
-            return Planned(spline, wrench, excess, guess.rounds + rounds, size, whole)
+            return Planned(*nearest, guess.rounds + rounds, size, whole)
         if wrong > max(criteria.far_off * missed, 0.5) and missed < np.inf and still < criteria.stillest:
             spline, wrench, excess = kept  # slopes promised what is not there: again, nearer to what was
             still, rounds = min(max(8.0 * still, 1.0), criteria.stillest), rounds + 1
@@ -232,7 +235,7 @@ def _settle(
             csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
         )
         if x is None and rounds:  # slopes promised more than there is: what was reached is judged
-            return Planned(spline, wrench, excess, guess.rounds + rounds, size)
+            return Planned(*nearest, guess.rounds + rounds, size)
         if x is None:
             raise BadMotion(Fault(f"no motion keeps the feet where they stand ({status})", "no_motion",
                                   "Give a home posture with bent knees, or cut the motion", robot.name))  # fmt: skip

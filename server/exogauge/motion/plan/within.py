@@ -20,7 +20,8 @@ def plan_within(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
     rate: float | None = None, stop: Stop | None = None,
 ) -> tuple[Planned, Judged]:  # fmt: skip
-    """Planned and judged at `rate` [Hz]. Of two plans that both break a bound, the one that breaks fewer.
+    """Planned and judged at `rate` [Hz]; where the legs bear it only as the feet share the load in the plan, once more
+    with feet that share evenly. Of two plans that both break a bound, the one that breaks fewer.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
     first, and standing at home is judged. stop: as of `plan`.
@@ -30,25 +31,41 @@ def plan_within(
         return _at_home(robot, asked, criteria, rate, rest)
     planned = plan(robot, asked, criteria, report, stop)
     judged = _judged(robot, asked, planned, criteria, rate)
-    if not judged.broken or planned.unsettled or float(planned.excess.max()) > criteria.over:
+    uneven = judged.evenly > 1.0
+    if not (judged.broken or uneven) or planned.unsettled or float(planned.excess.max()) > criteria.over:
         return planned, _with_reasons(planned, judged, rest)
-    stricter = replace(
-        criteria, kept=criteria.kept - criteria.more_kept, margin_m=criteria.margin_m + criteria.more_m
-    )  # fmt: skip
+    stricter = criteria
+    if judged.broken:
+        stricter = replace(
+            stricter, kept=criteria.kept - criteria.more_kept, margin_m=criteria.margin_m + criteria.more_m
+        )  # fmt: skip
     if judged.apart.min() < criteria.clearance_m:
         stricter = replace(stricter, apart_m=criteria.apart_m + criteria.more_m)
     if judged.least_inside is not None and judged.least_inside < criteria.inside_m:
         stricter = replace(stricter, calm=criteria.calmer)
-    again = plan(robot, asked, stricter, report, stop)
-    found = _judged(robot, asked, again, criteria, rate)
-    if len(found.broken) < len(judged.broken):
-        return again, _with_reasons(again, found, rest)
-    return planned, judged
+    best = planned, judged
+    for wrench in criteria.evenly if uneven else (criteria.wrench,):
+        again = plan(robot, asked, replace(stricter, wrench=wrench), report, stop)
+        best = min(best, (again, _judged(robot, asked, again, criteria, rate)), key=_breaks)
+        if _breaks(best) == (0, 1.0):
+            break
+    return best[0], _with_reasons(*best, rest)
+
+
+def _breaks(found: tuple[Planned, Judged]) -> tuple[int, float]:
+    """Bounds, and how far beyond its own a leg's torque is where the feet share the load evenly."""
+    return len(found[1].broken), max(1.0, found[1].evenly)
 
 
 def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: MotionPlan, rate: float | None) -> Judged:
-    """Where it begins and ends is looked at too: a robot at home would jump there."""
+    """Where it begins and ends is looked at too: a robot at home would jump there. So is what the legs bear where the
+    feet share the load evenly, as a table of the motion has them."""
     judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
+    alone = replace(planned, wrench=np.zeros_like(planned.wrench))
+    even = judge(robot, planned.spline, asked.place[0], criteria, rate, alone)
+    legs = np.concatenate([robot.leg(foot) for foot in range(len(robot.soles))]) - robot.base
+    share = np.abs(even.torque[:, legs]) / robot.limits.torque[legs]
+    judged = replace(judged, evenly=float(share.max()))
     ends = planned.spline.at(np.array([0.0, planned.spline.duration]))[0]
     lines = list[str]()
     for what, posture, home in zip(("begins", "ends"), ends, asked.q[[0, -1]], strict=True):

@@ -136,7 +136,7 @@ def with_best_shape(
             return cost(at(np.array([u])))
 
         only = minimize_scalar(along, bounds=ends, method="bounded",
-                               options={"maxiter": trials, "xatol": 1e-3 * near})  # fmt: skip
+                               options={"maxiter": trials, "xatol": 1e-2 * near})  # fmt: skip
         return Named(effect, at(np.array([only.x])))
 
     def left(u: Array) -> Array:

@@ -228,13 +228,14 @@ def find_missing(
     ):
         leans, turned = slightly_inclined(problem, base, named)
         slight = slight + turned
-    decision = decide(facts)
-    if decision.verdict == "unexplained":
-        slight = slight + of_unexplained(first_problem)
-    return Missing(
-        claimed, suspected, decision, before, after, len(effects), bool(named), courses, doubt + slight,
+    told = Missing(
+        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt + slight,
         late and late[:2], leans, slight,
     )  # fmt: skip
+    if told.decision.verdict == "unexplained" or (told.found and not told.in_the_model):
+        more = of_unexplained(first_problem)
+        told = replace(told, doubt=told.doubt + more, slight_doubt=told.slight_doubt + more)
+    return told
 
 
 def _course(

@@ -73,11 +73,12 @@ def moving_stretch(
 ) -> Stretch:  # fmt: skip
     """The floor is what is measured above all motion, and what the kinematics' noise makes of a body (10,). stated:
     (6,) std of a sample, for wrenches without noise. at_rest: (6,) of a sample in postures, where coloured noise shows
-    what lies below that, too; believed up to what is stated, as something may swing there."""
+    what lies below that, too. That, and what third differences show of noise with tails, is believed up to what is
+    stated: something may swing or knock there."""
     rate = 1.0 / float(np.median(np.diff(motion.time)))
     read = np.array([white_noise_std(each, rate, criteria.above_motion * rate / 2) for each in wrench.T])
-    if at_rest is not None:
-        read = np.maximum(read, np.minimum(at_rest, stated))
+    shown = np.diff(wrench, 3, axis=0).std(axis=0) / np.sqrt(20.0)
+    read = np.maximum(read, np.minimum(shown if at_rest is None else np.maximum(shown, at_rest), stated))
     slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
     by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
     floor = np.maximum(np.sqrt(read**2 + by_motion), criteria.least_noise * stated)

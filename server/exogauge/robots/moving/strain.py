@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
@@ -14,9 +16,14 @@ from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.criteria.motion_plan import HALF_FOOT_M
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
+EVENLY = np.array(
+    [1.0, 1.0, 1.0, 0.01, 0.01, 0.01]
+)  # of a foot's forces [N] and moments [N·m] where feet share a load:
+# squares of 1 N and of .1 N·m cost the same
 
 
 @final
@@ -34,6 +41,9 @@ class Pull:
     def none(cls, samples: int, coordinates: int, rows: int) -> Pull:
         q, v, a = (np.zeros((samples, coordinates)) for _ in range(3))
         return cls(q, v, a, np.zeros((samples, rows)))
+
+
+Back = Callable[[Array, Pull], None]
 
 
 @final
@@ -83,7 +93,8 @@ class Bounds:
         labels = [f"torque of {names[self.order[k]]}" for k in on]
         found.append(self._both(loads[:, rows] / torque[on], labels, "l", rows, torque[on]))
         if len(self.corners):
-            found.append(self._balance(q, loads))
+            wrench, back = self._borne(q, loads)
+            found += [self._balance(wrench, back), self._legs(q, wrench, loads, back)]
         if self.pairs.names:
             found.append(self._apart(q))
         return found
@@ -120,13 +131,9 @@ class Bounds:
 
         return Part(np.hstack([share, -share]), [*names, *names], pull)
 
-    def _balance(self, q: Array, loads: Array) -> Part:
-        """Centre of pressure of all feet inside what they stand on, weight on them, friction."""
+    def _balance(self, wrench: Array, back: Back) -> Part:
+        """Centre of pressure of all feet inside what they stand on, weight on them, friction. wrench: (T, 6)."""
         criteria, heavy = self.criteria, self.robot.weight
-        turn = BaseTurn.of(q[:, 3:6], np.zeros((len(q), 3)), np.zeros((len(q), 3)))
-        R, p = turn.rotation, q[:, :3]
-        force = (R @ loads[:, :3, None])[..., 0]
-        moment = (R @ loads[:, 3:6, None])[..., 0] + np.cross(p, force)
         edges = ConvexHull(self.corners[:, :2]).equations
         edges = edges[np.unique(np.round(edges, 9), axis=0, return_index=True)[1]]
         height = float(self.corners[:, 2].mean())
@@ -147,10 +154,62 @@ class Bounds:
         down[2] = -1.0 / heavy
         Q = np.vstack([Q, down])
         offset = np.concatenate([np.ones(len(rows)), [1.0 + criteria.least_weight]])
-        wrench = np.concatenate([force, moment], axis=1)
+        return Part(wrench @ Q.T + offset, [*names, "weight on the feet"], lambda weights, on: back(weights @ Q, on))
+
+    def _legs(self, q: Array, wrench: Array, loads: Array, back: Back) -> Part:
+        """Torques of joints that carry, where the feet share the wrench (T, 6) as evenly as they can."""
+        robot, S = self.robot, self._shared
+        rows = np.flatnonzero(self._carrying & np.isfinite(robot.limits.torque[self.order]))
+        columns, size = robot.base + self.order[rows], robot.limits.torque[self.order[rows]]
+        model, data = self._weightless, self._weightless.createData()
+        frames = [model.frames[robot.frame(sole.link)] for sole in robot.soles]
+        feet, none = wrench @ S.T, np.zeros(model.nv)
+        borne, by_q = np.empty((len(q), len(rows))), np.empty((len(q), len(rows), model.nv))
+        J = np.empty((len(q), len(S), len(rows)))
+        outside = pin.StdVec_Force()
+        outside.extend([pin.Force.Zero()] * model.njoints)
+        for t in range(len(q)):
+            for f, frame in enumerate(frames):
+                outside[frame.parentJoint] = frame.placement.act(pin.Force(feet[t, 6 * f : 6 * f + 6]))
+            pin.computeRNEADerivatives(model, data, q[t], none, none, outside)
+            borne[t], by_q[t] = data.tau[columns], data.dtau_dq[columns]
+            pin.computeJointJacobians(model, data, q[t])
+            for f, sole in enumerate(robot.soles):
+                foot = pin.getFrameJacobian(model, data, robot.frame(sole.link), pin.LOCAL)
+                J[t, 6 * f : 6 * f + 6] = foot[:, columns]
+        share, m = (loads[:, robot.base + rows] + borne) / size, len(rows)
+        labels = [f"torque of {robot.joints[self.order[k]]}" for k in rows]
 
         def pull(weights: Array, on: Pull) -> None:
-            by = weights @ Q
+            by = (weights[:, :m] - weights[:, m:]) / size
+            on.loads[:, robot.base + rows] += by
+            on.q += np.einsum("tm,tmn->tn", by, by_q)
+            back(-np.einsum("tkm,tm->tk", J, by) @ S, on)
+
+        return Part(np.hstack([share, -share]), [*labels, *labels], pull)
+
+    @cached_property
+    def _shared(self) -> Array:
+        """(6 F, 6) what every foot bears, in its own axes, of a wrench on the robot about the world's origin."""
+        A = np.hstack([at.toDualActionMatrix() for at in standing(self.robot)])
+        D = np.tile(EVENLY, len(self.robot.soles))[:, None]
+        return np.asarray(D * A.T @ np.linalg.inv(A @ (D * A.T)))
+
+    @cached_property
+    def _weightless(self) -> pin.Model:
+        model = self.robot.model.copy()
+        model.gravity = pin.Motion.Zero()
+        return model
+
+    @staticmethod
+    def _borne(q: Array, loads: Array) -> tuple[Array, Back]:
+        """(T, 6) wrench of the ground about the world's origin, and how slopes by it pull."""
+        turn = BaseTurn.of(q[:, 3:6], np.zeros((len(q), 3)), np.zeros((len(q), 3)))
+        R, p = turn.rotation, q[:, :3]
+        force = (R @ loads[:, :3, None])[..., 0]
+        moment = (R @ loads[:, 3:6, None])[..., 0] + np.cross(p, force)
+
+        def back(by: Array, on: Pull) -> None:
             by_force = by[:, :3] + np.cross(by[:, 3:], p)
             by_moment = by[:, 3:]
             on.loads[:, :3] += np.einsum("tji,tj->ti", R, by_force)
@@ -161,4 +220,4 @@ class Bounds:
             turned += np.cross(loads[:, 3:6], np.einsum("tji,tj->ti", R, by_moment))
             on.q[:, 3:6] += turn.by_turn(turned)
 
-        return Part(wrench @ Q.T + offset, [*names, "weight on the feet"], pull)
+        return np.concatenate([force, moment], axis=1), back
