@@ -11,7 +11,6 @@ import numpy as np
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording
 from exogauge.identification.turns import WIDEST
-from exogauge.logs.doctor import examine
 from exogauge.logs.model import Log
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.robots.description import Robot
@@ -77,6 +76,8 @@ def admit(study: Study, worn: bool = True, progress: Progress = unwatched) -> Ad
 
 def in_degrees(robot: Robot, logs: Sequence[Log], files: Mapping[str, str]) -> list[Fault]:
     """Of positions, once each: in degrees no two motions are alike, and that is not what is wrong with them."""
+    from exogauge.logs.doctor import examine
+
     expected, found = expectation(robot), dict[str, Fault]()
     for log in logs:
         for each in examine(log, expected):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exogauge.logs.doctor import Expectation, JointLimits
+from exogauge.logs.findings import Expectation, JointLimits
 from exogauge.robots.description import Robot
 
 STANDARD_GRAVITY = 9.80665
