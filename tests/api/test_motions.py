@@ -115,7 +115,7 @@ def test_what_cannot_be_read_is_refused_with_what_to_say(client: TestClient) -> 
     plain = hand_in(client, {"a.bvh": foreign}, up="y", unit="cm").json()
     assert "Becken" in plain["summary"]["told"]["unknown"]
     mapped = hand_in(client, {"a.bvh": foreign}, map="ours").json()
-    assert mapped["summary"]["told"]["preset"] == "Mixamo"
+    assert mapped["summary"]["told"]["preset"] == "MotionBuilder and Mixamo"
     assert "unknown" not in mapped["summary"]["told"]
     assert client.delete(f"{V1}/motion-maps/{kept.json()['id']}").status_code == 204
     assert client.get(f"{V1}/motion-maps").json()["items"] == []
