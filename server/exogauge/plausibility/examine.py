@@ -93,8 +93,9 @@ def examine_against_robot(
             told.add((name, finding.channel))
             yield name, finding
     by_channel = [(each.seen.log, finding) for each in expected for finding in channel_rules(robot, each)]
+    elsewhere = {finding.channel for _, finding in by_channel}
     for finding in (as_unlike(robot, each) for each in unlike):
-        if finding.channel not in {each.channel for _, each in by_channel}:
+        if finding.channel not in elsewhere:
             for log in logs:
                 yield log.name, finding
     if expected and not slips and not delays:  # what is wrong otherwise may look late

@@ -71,7 +71,13 @@ class Expected:
 
     def in_any_motion(self) -> Expected:
         """With moments right after a turn too: there, where friction turns round, a delay shows."""
-        return Expected(self.robot, self.seen, in_motion(self._velocity, self.seen.criteria))
+        return self.at(in_motion(self._velocity, self.seen.criteria))
+
+    def at(self, moving: NDArray[np.bool_]) -> Expected:
+        """The same, where these moments count: (N, A)."""
+        other = copy(self)
+        other.moving, other._fits, other._known = moving, {}, {}
+        return other
 
     def with_effort(self, seen: Snapshot) -> Expected:
         """The same motion with the efforts of `seen`."""

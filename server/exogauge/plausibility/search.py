@@ -249,7 +249,7 @@ class _State:
         if remedy.kind == "effort":
             now = self.expected
             if moving is not None:
-                now = [Expected(self.robot, *each) for each in zip(self.seen, moving, strict=True)]
+                now = [each.at(some) for each, some in zip(now, moving, strict=True)]
             then = [each.with_effort(seen) for each, seen in zip(now, undone, strict=True)]
         elif len(remedy.joints) == 1:
             now = self.expected
@@ -257,8 +257,9 @@ class _State:
         else:  # the same moments count for both
             then = [Expected(self.robot, seen) for seen in undone]
             both = [one.moving & other.moving for one, other in zip(self.expected, then, strict=True)]
-            now = [Expected(self.robot, seen, moving) for seen, moving in zip(self.seen, both, strict=True)]
-            then = [Expected(self.robot, seen, moving) for seen, moving in zip(undone, both, strict=True)]
+            now, then = (
+                [each.at(some) for each, some in zip(each_way, both, strict=True)] for each_way in (self.expected, then)
+            )
         change = (pooled(then, axis, near=True).described - pooled(now, axis, near=True).described for axis in axes)
         return sum(change) - remedy.cost
 

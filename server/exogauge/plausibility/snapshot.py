@@ -21,17 +21,8 @@ from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
-MOMENTS = (
-    "q",
-    "dq",
-    "ddq",
-    "way",
-    "acc",
-    "gyro",
-    "gyro_dot",
-    "effort",
-    "wrenches",
-)  # of a snapshot, along the first axis
+# of a snapshot, along the first axis
+MOMENTS = ("q", "dq", "ddq", "way", "acc", "gyro", "gyro_dot", "effort", "wrenches")
 
 
 @final

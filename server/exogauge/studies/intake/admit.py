@@ -76,11 +76,11 @@ def admit(study: Study, worn: bool = True, progress: Progress = unwatched) -> Ad
 
 def in_degrees(robot: Robot, logs: Sequence[Log], files: Mapping[str, str]) -> list[Fault]:
     """Of positions, once each: in degrees no two motions are alike, and that is not what is wrong with them."""
-    from exogauge.logs.doctor import examine
+    from exogauge.logs.joint_rules import beyond_limits
 
     expected, found = expectation(robot), dict[str, Fault]()
     for log in logs:
-        for each in examine(log, expected):
+        for each in beyond_limits(log, expected):
             if each.rule == "degrees" and each.channel not in found:
                 found[each.channel] = Fault(
                     each.detail, each.rule, each.advice, files[log.name], each.row, each.channel, f"{each.value:.4g}"

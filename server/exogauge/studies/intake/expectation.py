@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from exogauge.logs.findings import Expectation, JointLimits
+from exogauge.logs.units import STANDARD_GRAVITY
 from exogauge.robots.description import Robot
-
-STANDARD_GRAVITY = 9.80665
 
 
 def expectation(robot: Robot) -> Expectation:
