@@ -126,15 +126,14 @@ class Statistics:
 
     def residual_square_sum(self, x: Array) -> Array:
         """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
-        sums = np.empty(len(self.columns))
-        for kind, columns in enumerate(self.columns):
-            v = np.append(x[columns], -1.0)
-            product = self.store[kind] @ v
-            if self.form == "gram":
-                sums[kind] = 2.0 * (v @ product) - np.diag(self.store[kind]) @ v**2
-            else:
-                sums[kind] = np.sum(product**2)
-        return np.maximum(sums, 0.0)
+        return np.array([self.left(kind, x) for kind in range(len(self.columns))])
+
+    def left(self, kind: int, x: Array) -> float:
+        """Of one kind."""
+        v = np.append(x[self.columns[kind]], -1.0)
+        product = self.store[kind] @ v
+        squares = 2.0 * (v @ product) - np.diag(self.store[kind]) @ v**2 if self.form == "gram" else product @ product
+        return max(float(squares), 0.0)
 
     def along(self, kind: int, place: int, x: Array) -> tuple[float, float]:
         """(a^T (y - A x), a^T a) of one column a of one kind's rows. place: within the row. x: (P,)."""

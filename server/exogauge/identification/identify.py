@@ -140,6 +140,7 @@ class _Made:
     at_rest: RestDetection
     cutoff_hz: float
     kept: PerLog
+    attached: PerLog
     seen: Scales
     prior: Prior
     solution: Solution
@@ -161,11 +162,11 @@ def _made(
     progress(0.05, Doing.FILTERING)
     at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping, settings.criteria.resting)
 
-    kept = _prepared_alike(extension, robot, cutoff_hz, at_rest)
+    kept, attached = _prepared_alike(extension, robot, cutoff_hz, at_rest), PerLog()
 
     def ready(log: Log) -> Prepared:
         bare = kept.of(log, "prepared", lambda: prepare(robot, log, cutoff_hz, at_rest))
-        return extension.attach(bare) if extension else bare
+        return extension.attach(bare, attached) if extension else bare
 
     fitted = list(side_by_side(ready, fitted_logs))
     seen = scales(robot, fitted)
@@ -175,7 +176,7 @@ def _made(
     _refuse_impossible_gains(equations, solution)
     progress(0.75, Doing.ESTIMATING_UNCERTAINTY)
     bias = noise_bias(equations, fitted, at_rest, solution, kept)
-    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, seen, prior, solution, bias)
+    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, attached, seen, prior, solution, bias)
 
 
 def _model(
@@ -204,6 +205,7 @@ def _model(
         criteria=settings.criteria,
         prepared=made.kept,
         computed=made.kept.beside(),
+        attached=made.attached,
     )
 
 

@@ -26,6 +26,7 @@ class BodyLoads:
     ) -> None:
         self._base, self._floating, self._joints = base, tree.floating, len(tree.joints)
         self._bodies, self._to_axes = len(tree.bodies), np.asarray(np.linalg.inv(axes_from_joints).T)  # C⁻ᵀ
+        self._mixed = not np.array_equal(self._to_axes, np.eye(self._joints))
         self._tree = tree_arrays(Kinematics(tree))
         places = [tree.frames[frame] for frame in sensor_frames]
         self._sensors: tuple[NDArray[np.bool_], NDArray[np.int64], Array, Array] = (
@@ -51,6 +52,7 @@ class BodyLoads:
         if motion.samples:
             signals, base = signals_of(motion)
             fill_loads(*self._tree, sets, live, *self._sensors, signals, base, AXES, out)
-        joints = out[:, 6 : 6 + self._joints]
-        joints[:] = self._to_axes @ joints
+        if self._mixed:
+            joints = out[:, 6 : 6 + self._joints]
+            joints[:] = self._to_axes @ joints
         return out if self._floating else out[:, 6:]
