@@ -14,22 +14,24 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from exogauge import synthetic
 from exogauge.client import Client
 from exogauge.errors import BadMotion, Fault, Unavailable
-from exogauge.published import published
 from exogauge.settings import Settings
-from exogauge.studies.report.summary_text import summary_text
+from exogauge.studies.report.page_model import Block
+from exogauge.studies.report.summary_content import DETAILS, summary_content
+from exogauge.studies.words.names import capital
 from exogauge.synthetic.disturbances import DEFAULT
-from exogauge.terminal import bar
+from exogauge.terminal import bar, text_table
 
 SEED = 1
 START_S = 120.0
@@ -173,3 +175,65 @@ def announced_address(server: subprocess.Popen[bytes], output: Path) -> str:
         time.sleep(0.1)
     tail = output.read_text(errors="replace")[-2000:]
     raise Unavailable(f"the server did not start; the end of {output.name}:\n{tail}")
+
+
+SUPPORT = (  # motion, suit, RMSE [N·m] of A, B and a-priori values against the band simulation: captions of Figs 12, 13
+    ("bending, torso pitch", "normal", "1.97", "2.65", "7.42"),
+    ("bending, torso pitch", "modified", "2.56", "3.32", "7.66"),
+    ("twisting, torso yaw", "normal", "1.84", "2.51", "5.08"),
+    ("twisting, torso yaw", "modified", "1.73", "2.17", "4.71"),
+)
+STIFFNESS = (  # suit, stiffness [N/m]: truth, A, B, a-priori values: Tables 2 and 3
+    ("normal", "197.8", "185.8 (6.1 %)", "181.3 (8.3 %)", "65.8 (66.7 %)"),
+    ("modified", "395.6", "364.6 (7.9 %)", "331.5 (16.2 %)", "207.1 (47.8 %)"),
+)
+
+
+def published() -> str:
+    return "\n".join(
+        [
+            "PUBLISHED for HRP-4, measured on the real robot in a real suit; not this sample, whose data are synthetic",
+            "",
+            text_table(("RMSE, N·m", "suit", "A", "B", "maker's"), SUPPORT),
+            "",
+            text_table(("stiffness, N/m", "truth", "A", "B", "maker's"), STIFFNESS),
+        ]
+    )
+
+
+WIDTH = 100
+DETAIL = replace(DETAILS[0], files=4)  # the hashes of all stand in results.json
+
+
+def summary_text(results: Mapping[str, Any]) -> str:
+    """results: the content of results.json."""
+    page = summary_content(results, DETAIL)
+    blocks = [block for row in page.rows for block in row.blocks]
+    findings = (results["discrepancy"] or {"findings": ()})["findings"]
+    blocks[2:2] = [Block(capital(each["title"]), tuple(_story(each))) for each in findings]
+    parts = ["\n".join(each for each in (page.label, page.title, page.kicker) if each)]
+    parts += ["\n".join(_lines(block)) for block in blocks if block.title]
+    return "\n\n".join([*parts, _filled(page.footer)])
+
+
+def _story(finding: Mapping[str, Any]) -> Iterator[str]:
+    yield finding["evidence"]
+    if finding["motion"]:
+        rivals = ", ".join(each["title"] for each in finding["also_possible"])
+        files = ", ".join(each["file"] for each in finding["planned"])
+        yield f"These data cannot tell it from {rivals}. {finding['motion']}{f' ({files})' if files else ''}"
+
+
+def _lines(block: Block) -> Iterator[str]:
+    yield block.title.upper()
+    yield from (_filled(each) for each in block.sentences)
+    if block.table is not None:
+        yield text_table([each.title for each in block.table.columns], block.table.rows, widest=60)
+        yield _filled(block.table.caption)
+    yield from (_filled(f"{name}: {text}") for name, text in block.facts)
+    yield from (_filled(each, "- ") for each in block.points)
+
+
+def _filled(text: str, first: str = "") -> str:
+    after = " " * len(first)
+    return textwrap.fill(text, WIDTH, initial_indent=first, subsequent_indent=after, break_on_hyphens=False)

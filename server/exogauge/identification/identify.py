@@ -28,11 +28,10 @@ from exogauge.identification.model import AxisSizes, Extension, RobotModel
 from exogauge.identification.noise_bias import NoiseFloor, known_noise, noise_bias
 from exogauge.identification.parameters import describe, given_the_scale, with_parts
 from exogauge.identification.per_log import PerLog
-from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import Scales, added_std, joint_prior, per_parameter, relative_std, scales
-from exogauge.identification.ranges import clip_to_ranges
+from exogauge.identification.ranges import asked_for_negative_mass, clip_to_ranges, possible_parameters
 from exogauge.identification.result import ChannelFit, Channels, Identification, Prediction, SteadyShare
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve

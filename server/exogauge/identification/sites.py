@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from exogauge.effects.places import BaseChange, BaseSignals, EncoderSignals, LinkSignals, PairSignals, SensorSignals
@@ -17,7 +16,7 @@ from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.thinned import thinned
+from exogauge.identification.thinned import at_all, thinned
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
@@ -241,7 +240,7 @@ class EncoderSite:
         def rows(step: float) -> Array:
             return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
 
-        return _at_all(samples, at, (rows(low) - rows(high)) / (high - low))
+        return at_all(samples, at, (rows(low) - rows(high)) / (high - low))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
@@ -415,13 +414,4 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
         found = -equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
-    return _at_all(samples, at, found)
-
-
-def _at_all(samples: int, at: NDArray[np.intp], rows: Array) -> Array:
-    """(samples, K) by a cubic spline through rows (n, K) at some of the samples."""
-    if len(at) == samples:
-        return rows
-    found, live = np.zeros((samples, rows.shape[1])), rows.any(axis=0)
-    found[:, live] = scipy.interpolate.CubicSpline(at, rows[:, live])(np.arange(samples))
-    return found
+    return at_all(samples, at, found)
