@@ -10,6 +10,7 @@ from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from exogauge.cli.at_service import at_server
 from exogauge.cli.endings import Commands
 
 if TYPE_CHECKING:  # imported where used: most commands need no database
@@ -57,7 +58,7 @@ def add_commands(commands: Commands) -> None:
     delete = commands.add_parser("delete", help="delete something that a service keeps, with all that hangs on it")
     delete.add_argument("kind", choices=sorted(KINDS))
     delete.add_argument("id")
-    delete.add_argument("--server", metavar="URL", required=True, help="address of the service")
+    at_server(delete)
     delete.set_defaults(command=delete_one)
 
 
