@@ -270,7 +270,7 @@ def told(job: Job) -> int:
     if job.state == "succeeded":
         return 0
     say(f"exogauge: {job.id}: {problem_of_job(job)}")
-    return BAD_INPUT if job.problem is not None else INCOMPLETE
+    return BAD_INPUT if job.problem is not None and job.problem.get("status", 422) < 500 else INCOMPLETE
 
 
 def told_steps(results: Mapping[str, Any]) -> int:

@@ -171,7 +171,7 @@ def sweep_all(options: argparse.Namespace) -> int:
     from exogauge.storage.orphans import WAIT
     from exogauge.storage.retention import Ages, no_labs, retire
     from exogauge.storage.store import open_installation
-    from exogauge.storage.sweeping import Swept, sweep_installation, sweep_machine, waiting
+    from exogauge.storage.sweeping import sweep_installation, sweep_machine, waiting
 
     settings = Settings()
     at_newest_or_raise(current(settings.database_url))
@@ -182,8 +182,8 @@ def sweep_all(options: argparse.Namespace) -> int:
     for lab in unknown:
         print(f"EXOGAUGE_STUDIES_KEPT_DAYS names a lab that is not there: {lab}", file=sys.stderr)
     if options.dry_run:
-        swept = Swept(orphans_waiting=waiting(installation))
-        print(json.dumps({**asdict(swept), "aged": aged.as_json()}) if options.json else told_as_aged(aged, "would go"))
+        found = {"orphans_waiting": waiting(installation), "aged": aged.as_json()}
+        print(json.dumps(found) if options.json else told_as_aged(aged, "would go"))
         installation.close()
         return 0
     swept = sweep_installation(installation, timedelta(0) if options.stopped else WAIT)

@@ -230,8 +230,8 @@ class Transport:
                 response = send()
             except httpx.TransportError as error:
                 if attempt == ATTEMPTS:
-                    address = self._http.base_url
-                    raise NotNow(0, f"no answer from {address}", str(error) or type(error).__name__) from error
+                    detail = f"{error or type(error).__name__}. Does the service run, and is that its address?"
+                    raise NotNow(0, f"no answer from {self._http.base_url}", detail) from error
                 asked = 0.0
             else:
                 gone = deletes and response.status_code == 404 and attempt > 1
