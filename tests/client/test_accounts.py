@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -13,8 +14,9 @@ from typing import Any
 import httpx
 import pytest
 
+from exogauge.cli import main
 from exogauge.client import Client, ClientProblem
-from exogauge.client.tokens import refuse_open_line
+from exogauge.client.tokens import keep, refuse_open_line, token_by_password
 
 pytestmark = pytest.mark.slow
 WORDS = "three old lamps glow"
@@ -68,7 +70,7 @@ def test_from_the_first_account_at_a_terminal_to_a_token_in_a_client(
         list(nobody.studies())
     login = ("login", service.url, "--email", "ada@example.org", "--read-only")
     wrong = exogauge(service, *login, typed="wrong\n", home=tmp_path)
-    assert (wrong.returncode, "address or the password is wrong" in wrong.stderr) == (2, True)
+    assert (wrong.returncode, "address or the password is wrong" in wrong.stderr) == (4, True)
     done = exogauge(service, *login, typed=f"{WORDS}\n", home=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "lab North" in done.stdout
@@ -92,6 +94,58 @@ def test_from_the_first_account_at_a_terminal_to_a_token_in_a_client(
     with Client(service.url) as nobody, pytest.raises(ClientProblem, match="Not signed in"):
         list(nobody.studies())
     assert "EXOGAUGE_TOKEN" not in os.environ
+
+
+def test_commands_do_what_their_token_may_and_show_it_to_nobody(
+    service: Any, study_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", service.environment["EXOGAUGE_TLS_CERTIFICATE"])
+    monkeypatch.setenv("EXOGAUGE_URL", service.url)
+    secrets = {}
+    for name in ("eve", "bob"):
+        who = f"{name}@example.org"
+        add = ("account", "add", who, "--lab", f"Lab of {name}", "--role", "member")
+        assert exogauge(service, *add, typed=f"{WORDS}\n").returncode == 0
+        secrets[name] = token_by_password(service.url, who, WORDS, "write", None, 1)
+    viewer = token_by_password(service.url, "bob@example.org", WORDS, "read", None, 1)
+
+    def ended(token: str, *arguments: str) -> tuple[int, str]:
+        monkeypatch.setenv("EXOGAUGE_TOKEN", token)
+        code = main(["-v", *arguments])
+        out, err = capfd.readouterr()
+        assert not any(each in out + err for each in (*secrets.values(), viewer))
+        assert "Traceback" not in err
+        return code, out + err
+
+    code, said = ended(secrets["bob"], "upload", str(study_folder), "--json")
+    study = json.loads(said[said.index("{") : said.rindex("}") + 1])["id"]
+    assert (code, ended(secrets["bob"], "studies")[1].count(study)) == (0, 1)
+    assert ended(secrets["eve"], "studies")[1].count(study) == 0
+    for command in (("results", study), ("run", study, "--server", service.url), ("share", study, "--all")):
+        code, said = ended(secrets["eve"], *command)
+        assert (code, "Not found (404)" in said) == (2, True), command
+    code, said = ended(viewer, "upload", str(study_folder))
+    assert (code, "role member" in said) == (4, True)
+    assert ended("exo_none_such", "studies")[0] == 4
+    assert ended(secrets["bob"], "share", study, "--lab", "Lab of eve")[1].startswith("Lab of eve\n")
+    assert ended(secrets["eve"], "run", study, "--server", service.url)[0] in (2, 4)  # reads it, and no more
+    assert ended(secrets["bob"], "share", study, "--end")[1].startswith("nobody else\n")
+
+    page = {"Origin": service.url}
+    with httpx.Client(base_url=f"{service.url}/api/v1/", headers=page) as browser:
+        browser.post("session", json={"email": "bob@example.org", "password": WORDS}).raise_for_status()
+        for each in browser.get("tokens").json()["items"]:
+            browser.delete(f"tokens/{each['id']}").raise_for_status()
+    code, said = ended(secrets["bob"], "studies")
+    assert (code, "Not signed in (401)" in said) == (4, True)
+
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    keep(service.url, secrets["eve"])
+    monkeypatch.delenv("EXOGAUGE_TOKEN")
+    assert main(["studies"]) == 0
+    (tmp_path / "exogauge" / "tokens.json").chmod(0o644)
+    assert main(["studies"]) == 2
+    assert "others may read the tokens" in capfd.readouterr().err
 
 
 def test_a_password_stays_on_this_machine_or_goes_encrypted() -> None:

@@ -14,12 +14,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from exogauge.errors import BadInput, BadLog, BadRobot, TooLarge
+from exogauge.errors import BadInput, BadLog, BadRobot, TooLarge, Unavailable
 from exogauge.logs.mapping_rules import Clock, FileMapping, LogMapping, Source, Values
 from exogauge.logs.model import Log
 from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
-from exogauge.sandbox import LogRequest, RobotRequest, canonicalise, check_robot, parse_log
+from exogauge.sandbox import LogRequest, RobotRequest, asking, canonicalise, check_robot, parse_log
 from exogauge.sandbox.limits import Limits
 
 URDF = b"""<robot name="arm">
@@ -108,10 +108,10 @@ def test_a_reader_that_computes_too_long_is_stopped(tmp_path: Path) -> None:
     assert caught.value.faults[0].rule == "time_limit"
 
 
-def test_a_crash_of_the_reader_is_a_fault_of_the_file_and_the_child_knows_no_secret(
-    table: Path, children: Callable[[], list[int]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", "postgresql://user:secret@nowhere/db")
+def killed_while_reading(
+    table: Path, children: Callable[[], list[int]], with_what: signal.Signals
+) -> tuple[BaseException, bytes]:
+    """What became of it, and the child's environment."""
     ended = list[BaseException]()
 
     def read() -> None:
@@ -126,13 +126,42 @@ def test_a_crash_of_the_reader_is_a_fault_of_the_file_and_the_child_knows_no_sec
     while not (pids := children()) and time.monotonic() < deadline:
         time.sleep(0.002)
     environment = Path(f"/proc/{pids[0]}/environ").read_bytes()
-    os.kill(pids[0], signal.SIGSEGV)
+    os.kill(pids[0], with_what)
     reader.join()
+    (problem,) = ended
+    return problem, environment
+
+
+def test_a_crash_of_the_reader_is_a_fault_of_the_file_and_the_child_knows_no_secret(
+    table: Path, children: Callable[[], list[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", "postgresql://user:secret@nowhere/db")
+    problem, environment = killed_while_reading(table, children, signal.SIGSEGV)
     assert environment
     assert b"secret" not in environment
-    (problem,) = ended
     assert isinstance(problem, BadLog)
     assert problem.faults[0].rule == "reader_crashed"
+
+
+@pytest.mark.parametrize(("short", "told"), [(0, "does not tell which"), (1, "for want of memory")])
+def test_a_reader_that_is_killed_from_outside_says_nothing_of_its_file(
+    short: int, told: str, table: Path, children: Callable[[], list[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts = iter((3, 3 + short))
+    monkeypatch.setattr(asking, "times_short_of_memory", lambda: next(counts))
+    problem, _ = killed_while_reading(table, children, signal.SIGKILL)
+    assert isinstance(problem, Unavailable)
+    assert "user's name.csv" in str(problem)
+    assert told in str(problem)
+    assert "nothing is known" in str(problem)
+
+
+def test_the_kernel_is_asked_how_often_memory_ran_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = tmp_path / "vmstat"
+    monkeypatch.setattr(asking, "VMSTAT", told)
+    assert asking.times_short_of_memory() == 0
+    told.write_text("nr_free 7\noom_kill 41\noom_kill_other 5\n")
+    assert asking.times_short_of_memory() == 41
 
 
 def test_a_sound_robot_is_summed_up_and_a_broken_one_refused() -> None:

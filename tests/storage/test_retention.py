@@ -158,11 +158,12 @@ def test_only_what_is_older_than_was_said_goes_and_only_studies_of_labs_that_are
     before = counts(installation)
     ages = Ages.of(settings.model_copy(update=TEN | {"studies_kept_days": {"north": 10.0}}))
 
+    words = [jobs_with_words(of) for of in (local, north)]
     dry = retire(installation, ages, dry=True)
-    assert (counts(installation), local.said()) == (before, [])
+    assert (counts(installation), local.said(), north.said()) == (before, [], [])
+    assert words == [jobs_with_words(of) for of in (local, north)]
     done = retire(installation, ages)
-    assert dry == Retired(logs=2, job_logs=4, deliveries=2, keys=2, studies=3)
-    assert done == Retired(logs=2, job_logs=4, deliveries=2, keys=2, studies=2, studies_needed=1)
+    assert dry == done == Retired(logs=2, job_logs=4, deliveries=2, keys=2, studies=2, studies_needed=1)
     for of in (local, north):
         assert of.names(Log) == {"unused young", "used"}
         assert {ids[of.lab][key] for key in ("running job", "young job")} == jobs_with_words(of)

@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, TypeVar, final
+from typing import Annotated, Any, BinaryIO, TypeVar, final
 from uuid import UUID
 
 import yaml
@@ -21,7 +21,7 @@ from exogauge.api.shapes import LogOut, StudyOut
 from exogauge.api.studies import keep_study
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.api.uploads_resumable import FilesDep, remove, whole
-from exogauge.errors import BadInput, Fault
+from exogauge.errors import BadInput, Fault, NotFound
 from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import PartialFiles
@@ -138,9 +138,17 @@ def opened(uploads: Sequence[tuple[UploadRecord, Path]], names: Sequence[str]) -
     """The uploads as the files of a form would be."""
     with ExitStack() as stack:
         yield [
-            UploadFile(stack.enter_context(path.open("rb")), filename=name)
-            for (_, path), name in zip(uploads, names, strict=True)
+            UploadFile(stack.enter_context(still_there(upload, path)), filename=name)
+            for (upload, path), name in zip(uploads, names, strict=True)
         ]
+
+
+def still_there(upload: UploadRecord, path: Path) -> BinaryIO:
+    """The file of an upload. NotFound where another request was quicker to use it up."""
+    try:
+        return path.open("rb")
+    except FileNotFoundError as error:
+        raise NotFound(f"upload {upload.id} was used up meanwhile") from error
 
 
 def mapping_text(mapping: dict[str, Any] | str) -> bytes:

@@ -10,14 +10,15 @@ from collections.abc import Sequence
 
 from exogauge import __version__
 from exogauge.blas_threads import one_thread
-from exogauge.cli import accounts, blind, labs, motion, payload, sample, service, study, upkeep
-from exogauge.cli.endings import BAD_INPUT
+from exogauge.cli import accounts, at_service, blind, labs, motion, payload, sample, service, study, upkeep
+from exogauge.cli.endings import ending_of
 from exogauge.errors import ExogaugeError
 from exogauge.logbook import keep
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command. 0: done. 1: not all of it. 2: input or installation not usable, and the message says why."""
+    """Run one command. 0: done. 1: not all of it. 2: input or installation not usable, and the message says why. With a
+    service, 3: it does not answer or has not ended, the same later goes on; 4: it does not let this caller do it."""
     os.environ.update(one_thread(os.environ))  # before NumPy is there: processors are for logs (`side_by_side`)
     options = parser().parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
@@ -26,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = options.command(options)
     except ExogaugeError as error:
         print(f"exogauge {options.name}: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return ending_of(error)
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:  # whoever read along has seen enough
@@ -42,6 +43,6 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"exogauge {__version__}")
     top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
     commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
-    for each in (study, payload, motion, sample, blind, service, accounts, labs, upkeep):
+    for each in (study, payload, motion, sample, blind, service, accounts, at_service, labs, upkeep):
         each.add_commands(commands)
     return top

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TypeAlias
 
-from exogauge.errors import BadInput, Fault
+from exogauge.errors import BadInput, ExogaugeError, Fault
 
-INCOMPLETE, BAD_INPUT = 1, 2
+INCOMPLETE, BAD_INPUT, NOT_NOW, NOT_YOU = 1, 2, 3, 4
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
@@ -17,3 +17,13 @@ def refuse_what_is_there(folder: Path, force: bool) -> None:
     if not force and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         advice = "Name a new folder, or add --force to write over what is in it."
         raise BadInput(Fault("it exists and is not an empty folder", "folder_not_empty", advice, str(folder)))
+
+
+def ending_of(error: ExogaugeError) -> int:
+    """3: a service does not answer, or has not ended: the same command later goes on. 4: it lets this caller not do it.
+    2: what was handed in, or the installation, is not usable."""
+    from exogauge.client.transport import ClientProblem
+
+    if not isinstance(error, ClientProblem):
+        return BAD_INPUT
+    return NOT_NOW if error.later else NOT_YOU if error.status in (401, 403) else BAD_INPUT

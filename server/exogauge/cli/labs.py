@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from typing import Any
 
-from exogauge.cli.accounts import HERE
+from exogauge.cli.at_service import at_server
 from exogauge.cli.endings import Commands
 
 LICENCES = ("CC-BY-4.0", "CC0-1.0", "CC-BY-SA-4.0", "CC-BY-NC-4.0", "CC-BY-NC-SA-4.0", "ODbL-1.0")
@@ -43,11 +42,6 @@ def add_commands(commands: Commands) -> None:
     labs.add_argument("--json", action="store_true", help="as JSON")
     at_server(labs)
     labs.set_defaults(command=compare_labs)
-
-
-def at_server(command: argparse.ArgumentParser) -> None:
-    here = os.environ.get("EXOGAUGE_URL", HERE)
-    command.add_argument("--server", metavar="URL", default=here, help=f"address of the service (default {here})")
 
 
 def publish_study(options: argparse.Namespace) -> int:

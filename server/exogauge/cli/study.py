@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from exogauge.cli import at_service
 from exogauge.cli.endings import BAD_INPUT, INCOMPLETE, Commands
 
 SHOWN_FINDINGS = 5  # channels of one sort, unless it is an error
@@ -27,9 +28,10 @@ which they are written, each as often as needed. Via points count from 0. Number
 
 def add_commands(commands: Commands) -> None:
     """On local files."""
-    run = commands.add_parser("run", help="evaluate a study on local files, without a server")
-    run.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
-    run.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json and the rest go")
+    run = commands.add_parser("run", help="evaluate a study: on local files, or with --server by a service")
+    run.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it; at a service its id does, too")
+    run.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the rest go")
+    at_service.add_run_there(run)
     run.set_defaults(command=run_study)
 
     doctor = commands.add_parser("doctor", help="examine a study's logs before they are believed")
@@ -96,6 +98,9 @@ class InOrder(argparse.Action):
 
 def run_study(options: argparse.Namespace) -> int:
     """2 when the data hold no answer for a step behind the identification, 1 when such a step failed unexpectedly."""
+    if options.server:
+        return at_service.run_there(options)
+    at_service.refuse_what_needs_one(options)
     from exogauge.studies.evaluate import evaluate
     from exogauge.terminal import bar
 

@@ -10,6 +10,7 @@ from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from exogauge.cli.at_service import at_server
 from exogauge.cli.endings import Commands
 
 if TYPE_CHECKING:  # imported where used: most commands need no database
@@ -57,7 +58,7 @@ def add_commands(commands: Commands) -> None:
     delete = commands.add_parser("delete", help="delete something that a service keeps, with all that hangs on it")
     delete.add_argument("kind", choices=sorted(KINDS))
     delete.add_argument("id")
-    delete.add_argument("--server", metavar="URL", required=True, help="address of the service")
+    at_server(delete)
     delete.set_defaults(command=delete_one)
 
 
@@ -170,7 +171,7 @@ def sweep_all(options: argparse.Namespace) -> int:
     from exogauge.storage.orphans import WAIT
     from exogauge.storage.retention import Ages, no_labs, retire
     from exogauge.storage.store import open_installation
-    from exogauge.storage.sweeping import Swept, sweep_installation, sweep_machine, waiting
+    from exogauge.storage.sweeping import sweep_installation, sweep_machine, waiting
 
     settings = Settings()
     at_newest_or_raise(current(settings.database_url))
@@ -181,8 +182,8 @@ def sweep_all(options: argparse.Namespace) -> int:
     for lab in unknown:
         print(f"EXOGAUGE_STUDIES_KEPT_DAYS names a lab that is not there: {lab}", file=sys.stderr)
     if options.dry_run:
-        swept = Swept(orphans_waiting=waiting(installation))
-        print(json.dumps({**asdict(swept), "aged": aged.as_json()}) if options.json else told_as_aged(aged, "would go"))
+        found = {"orphans_waiting": waiting(installation), "aged": aged.as_json()}
+        print(json.dumps(found) if options.json else told_as_aged(aged, "would go"))
         installation.close()
         return 0
     swept = sweep_installation(installation, timedelta(0) if options.stopped else WAIT)

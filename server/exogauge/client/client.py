@@ -27,7 +27,7 @@ from exogauge.client.things import (
     thing,
 )
 from exogauge.client.tokens import token_for
-from exogauge.client.transport import ClientProblem, Transport, problem_of_job
+from exogauge.client.transport import ClientProblem, NotNow, Transport, has, problem_of_job
 from exogauge.client.uploading import upload, zipped, zipped_description
 from exogauge.terminal import bar
 
@@ -38,6 +38,7 @@ Thing = TypeVar("Thing")
 
 POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
+RESULTS = "results.json"
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
 PATHS: Mapping[type, str] = {
     Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads", Motion: "motions",
@@ -141,9 +142,9 @@ class Client:
         """nouns: studies, robots, devices, logs, payloads, motions or plans."""
         self._http.delete(f"{nouns}/{quote(key, safe='')}")
 
-    def studies(self) -> Iterator[Study]:
-        """All studies, newest first."""
-        return self._all("studies", Study)
+    def studies(self, search: str | None = None) -> Iterator[Study]:
+        """All studies, newest first; those whose name holds the words of `search`, where given."""
+        return self._all("studies", Study, {} if search is None else {"search": search})
 
     def robots(self) -> Iterator[Robot]:
         return self._all("robots", Robot)
@@ -282,7 +283,7 @@ class Client:
                 if now.ended:
                     break
                 if until is not None and time.monotonic() > until:
-                    raise ClientProblem(0, f"job {now.id} is still {now.state} after {timeout_s:.0f} s", now.message)
+                    raise NotNow(0, f"job {now.id} is still {now.state} after {timeout_s:.0f} s", now.message)
                 time.sleep(POLL_S)
         if now.state != "succeeded":
             raise problem_of_job(now)
@@ -318,13 +319,17 @@ class Client:
         follows: Publication | str | None = None,
         **about: Any,
     ) -> Publication:
-        """What the study's latest evaluation found becomes a snapshot that anybody reads.
+        """What the study's latest evaluation found becomes a snapshot that anybody reads; said again, the same one.
 
         creators: [{"name": "Family, Given", "orcid"?, "affiliation"?}]. inputs: robot, logs and device too. follows: an
         earlier publication, of which it is the next version. about: description, keywords, licence, doi, job_id.
         """
         body = {"title": title, "creators": [dict(each) for each in creators], "inputs": inputs} | about
         earlier = {} if follows is None else {"follows": id_of(follows)}
+        job = str(about.get("job_id") or self.evaluated(self.study(study)).id)
+        for each in self._items("publications", {"study_id": id_of(study)}):
+            if says_the_same(each, body | {"job_id": job}, follows is None):
+                return thing(Publication, each)
         return thing(Publication, self._http.post(f"studies/{id_of(study)}/publications", body | earlier))
 
     def publications(self, study: Study | str | None = None) -> Iterator[Publication]:
@@ -339,6 +344,24 @@ class Client:
         """Jobs side by side: {jobs, support, stiffness, identification, settings}, one cell per job in each row."""
         answer: dict[str, Any] = self._http.get("compare", {"jobs": [id_of(job) for job in jobs]})
         return answer
+
+    def comparison(self, jobs: Sequence[Job | str], form: str, table: str = "support") -> str:
+        """One table of the same as text. form: csv (every digit) or latex (rounded by the standard deviations). table:
+        support or stiffness."""
+        return self._http.text("compare", {"jobs": [id_of(job) for job in jobs], "format": form, "table": table})
+
+    def shares(self, study: Study | str) -> list[dict[str, Any]]:
+        """Who else reads it: [{id, created_at, lab: its name, None for every lab}]."""
+        return list(self._items(f"studies/{id_of(study)}/shares"))
+
+    def share(self, study: Study | str, lab: str | None) -> dict[str, Any]:
+        """Let a lab read it, by its name; None: every lab of the installation. Once is enough."""
+        answer: dict[str, Any] = self._http.post(f"studies/{id_of(study)}/shares", {"lab": lab})
+        return answer
+
+    def end_share(self, study: Study | str, share: str) -> None:
+        """share: its id."""
+        self._http.delete(f"studies/{id_of(study)}/shares/{quote(share, safe='')}")
 
     def compared_devices(self) -> list[dict[str, Any]]:
         """Devices worn in studies that one may see, of most labs first: [{model, size, labs, studies}]."""
@@ -415,18 +438,34 @@ class Client:
         answer: dict[str, Any] = self._http.get(f"jobs/{id_of(job)}/results")
         return answer
 
+    def evaluated(self, of: Study | Job | str) -> Job:
+        """The job itself; of a study its newest evaluation that succeeded. Raises ClientProblem 404."""
+        key = id_of(of)
+        if not isinstance(of, Study):
+            try:
+                return self.job(key)
+            except ClientProblem as missing:
+                if missing.status != 404:
+                    raise
+        study = self.study(key)
+        ended = (job for job in self.jobs(study) if job.state == "succeeded" and job.kind != "whatif")
+        if (newest := next(ended, None)) is None:
+            raise ClientProblem(404, "Not found", f"no job of study {study.name!r} ({key}) has succeeded yet")
+        return newest
+
     def artifacts(self, job: Job | str) -> list[Artifact]:
         return list(self._all(f"jobs/{id_of(job)}/artifacts", Artifact))
 
     def download(self, job: Job | str, folder: str | Path, names: list[str] | None = None) -> list[Path]:
-        """Write the job's files below `folder`: all of them, or those named."""
-        written = []
-        for artifact in self.artifacts(job):
-            if names is None or artifact.name in names:
-                target = below(Path(folder), artifact.name)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                written.append(self._http.download(quote(artifact.href), target))
-        return written
+        """Write the job's files below `folder`: all of them, or those named. Those that are there already stay;
+        results.json comes last, so that where it stands, the files beside it belong to it."""
+        wanted = [each for each in self.artifacts(job) if names is None or each.name in names]
+        places = {each.name: below(Path(folder), each.name) for each in wanted}
+        if RESULTS in places and any(not has(places[each.name], each.sha256) for each in wanted):
+            places[RESULTS].unlink(missing_ok=True)
+        for artifact in sorted(wanted, key=lambda each: each.name == RESULTS):
+            self._http.download(quote(artifact.href), places[artifact.name], artifact.sha256)
+        return list(places.values())
 
     def _upload_logs(self, path: str, source: Path, main: str) -> Any:
         """A folder with logs, which may be large."""
@@ -435,8 +474,17 @@ class Client:
             if source.is_dir():
                 source = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
             if source.is_file() and source.stat().st_size >= LARGE:
-                return self._http.post(f"{path}/from-upload", {"upload_ids": [self.upload(source, progress=True)]})
+                return self._of_upload(f"{path}/from-upload", source)
             return self._http.post(path, files={"files": source})
+
+    def _of_upload(self, path: str, source: Path) -> Any:
+        try:
+            return self._http.post(path, {"upload_ids": [self.upload(source, progress=True)]})
+        except ClientProblem as gone:
+            if gone.status != 404:
+                raise
+        # another run sent the same file, and was quicker to use it
+        return self._http.post(path, {"upload_ids": [self.upload(source, progress=True)]})
 
     def _upload_bundle(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
         source = source.parent if source.name == main else source
@@ -462,6 +510,8 @@ class Client:
         cursor: str | None = None
         while True:
             page = self._http.get(path, {**(params or {}), **({"cursor": cursor} if cursor else {})})
+            if "items" not in page:
+                raise ClientProblem(0, f"{self.url} does not answer as exogauge does", f"there is no list at {path}")
             yield from page["items"]
             if (cursor := page.get("next_cursor")) is None:
                 return
@@ -487,3 +537,17 @@ def below(folder: Path, name: str) -> Path:
     if not target.is_relative_to(folder.resolve()):
         raise ClientProblem(0, "the service names a file outside the folder", name)
     return target
+
+
+def says_the_same(published: Mapping[str, Any], wanted: Mapping[str, Any], first: bool) -> bool:
+    """Whether what is asked for is published already. first: no earlier version is named."""
+    bare = {key: value for key, value in wanted.items() if key not in ("inputs", "creators")}
+    creators = [{"orcid": None, "affiliation": None, **each} for each in wanted["creators"]]
+    with_inputs = any(str(file["path"]).startswith("study/") for file in published["files"])
+    same = all(published.get(key) == value for key, value in bare.items()) and published["creators"] == creators
+    return (
+        same
+        and with_inputs == wanted["inputs"]
+        and (published["version"] == 1) == first
+        and not published["revoked_at"]
+    )

@@ -6,7 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar, final
 
+from exogauge.errors import ExogaugeError
+
 Thing = TypeVar("Thing")
+
+
+class NotOurs(ExogaugeError):
+    """An answer that lacks what exogauge says."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +55,10 @@ class Log:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Study(Bundle):
-    """Has no versions."""
+    """Has no versions. latest_job: {id, state, …}, where it has one."""
+
+    created_at: str | None = field(default=None, compare=False)
+    latest_job: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
 
 @final
@@ -183,4 +192,7 @@ class WhatIf:
 def thing(kind: type[Thing], answer: Mapping[str, Any]) -> Thing:
     """The record of an answer."""
     known = {each.name for each in fields(kind)}  # type: ignore[arg-type]
-    return kind(**{key: value for key, value in answer.items() if key in known})
+    try:
+        return kind(**{key: value for key, value in answer.items() if key in known})
+    except TypeError as error:  # of another program, or of a release long gone
+        raise NotOurs(f"this is no answer of exogauge: {error}") from error

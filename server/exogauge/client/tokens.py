@@ -11,7 +11,8 @@ from urllib.parse import urlsplit
 
 import httpx
 
-from exogauge.client.transport import ClientProblem, problem_of
+from exogauge.client.transport import ClientProblem, NotNow, document, problem_of
+from exogauge.errors import BadInput, Fault
 
 VARIABLE = "EXOGAUGE_TOKEN"
 
@@ -26,11 +27,16 @@ def file() -> Path:
 
 
 def kept() -> dict[str, str]:
-    """address -> token."""
+    """address -> token. BadInput where others may read them."""
     try:
-        found = json.loads(file().read_text(encoding="utf-8"))
+        with file().open(encoding="utf-8") as opened:
+            mode = os.fstat(opened.fileno()).st_mode
+            found = json.load(opened)
     except (OSError, ValueError, RuntimeError):  # RuntimeError: there is no home
         return {}
+    if mode & 0o077 and os.name == "posix":
+        detail = f"others may read the tokens in it (mode {mode & 0o777:o})"
+        raise BadInput(Fault(detail, "open_tokens", f"chmod 600 {file()}, and revoke them if others did.", str(file())))
     return found if isinstance(found, dict) else {}
 
 
@@ -58,14 +64,14 @@ def token_by_password(url: str, email: str, password: str, scope: str, lab: str 
             try:
                 answer = http.request(method, path, json=body)
             except httpx.TransportError as error:
-                raise ClientProblem(0, f"no answer from {url}", str(error)) from error
-            if answer.is_error:
+                raise NotNow(0, f"no answer from {url}", str(error)) from error
+            if not answer.is_success:
                 raise problem_of(answer)
             return answer
 
         ask("POST", "session", {"email": email, "password": password})
         try:
-            found = ask("GET", "session").json()
+            found = document(ask("GET", "session"))
             if lab is not None:
                 key = next((each["id"] for each in found["labs"] if each["name"] == lab), None)
                 if key is None:
@@ -73,7 +79,7 @@ def token_by_password(url: str, email: str, password: str, scope: str, lab: str 
                     raise ClientProblem(0, f"you are of no lab {lab!r}", f"your labs: {names}")
                 ask("PUT", "session/lab", {"lab_id": key})
             wanted = {"name": f"exogauge on {socket.gethostname()}"[:200], "scope": scope, "days": days}
-            secret: str = ask("POST", "tokens", wanted).json()["secret"]
+            secret: str = document(ask("POST", "tokens", wanted))["secret"]
         finally:
             ask("DELETE", "session")
     return secret

@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 import yaml
 
-from exogauge.client.transport import BUSY, ClientProblem, Transport, problem_of
+from exogauge.client.transport import BUSY, ClientProblem, NotNow, Transport, digest, foreign, problem_of
 from exogauge.errors import BadStudy, Fault
 
 STAYS_BEHIND = {"truth.json", "truth"}  # of synthetic studies: what no evaluating code may see
@@ -77,19 +77,20 @@ AGAIN = {*BUSY, 409, 423, 460}  # busy, at another offset, still held by a broke
 def upload(
     http: Transport, file: Path, say: Callable[[int], None] = lambda sent: None, patience_s: float = PATIENCE_S
 ) -> str:
-    """The id of the upload, when all of it has arrived. say(bytes confirmed). Raises ClientProblem."""
+    """The id of the upload, when all of it has arrived. say(bytes confirmed). Raises ClientProblem.
+
+    Where an earlier run began with the same file, in the last day, this one goes on.
+    """
     size = file.stat().st_size
-    name = base64.b64encode(file.name.encode()).decode()
-    begun = http.begin("uploads", {**TUS, "Upload-Length": str(size), "Upload-Metadata": f"filename {name}"})
-    key = str(begun["id"])
-    place, offset, moved, pause = f"uploads/{key}", 0, time.monotonic(), 0.2
+    key, offset = _begun(http, file, size)
+    place, moved, pause = f"uploads/{key}", time.monotonic(), 0.2
     with file.open("rb") as source:
         while offset < size:
             source.seek(offset)
             confirmed = _step(http, place, source.read(PIECE), offset)
             if confirmed is None:
                 if time.monotonic() - moved > patience_s:
-                    raise ClientProblem(0, f"{file.name} does not get on", f"{offset} of {size} bytes have arrived")
+                    raise NotNow(0, f"{file.name} does not get on", f"{offset} of {size} bytes have arrived")
                 time.sleep(pause)
                 pause = min(2 * pause, 5.0)
                 confirmed = _asked(http, place)
@@ -97,6 +98,19 @@ def upload(
                 offset, moved, pause = confirmed, time.monotonic(), 0.2
                 say(offset)
     return key
+
+
+def _begun(http: Transport, file: Path, size: int) -> tuple[str, int]:
+    """Its id, and how much has arrived before."""
+    name = base64.b64encode(file.name.encode()).decode()
+    headers = {**TUS, "Upload-Length": str(size), "Upload-Metadata": f"filename {name}"}
+    key = http.begin("uploads", headers, http.own_key(f"{digest(file)} {name}"))
+    try:
+        return key, _asked(http, f"uploads/{key}") or 0
+    except ClientProblem as gone:
+        if gone.status != 404:
+            raise
+    return http.begin("uploads", headers), 0  # the earlier one is used up, or was given up
 
 
 def _step(http: Transport, place: str, piece: bytes, offset: int) -> int | None:
@@ -124,4 +138,7 @@ def _offset(send: Callable[[], httpx.Response]) -> int | None:
         return None
     if response.is_error:
         raise problem_of(response)
-    return int(response.headers["Upload-Offset"])
+    told = response.headers.get("Upload-Offset", "")
+    if not (response.is_success and told.isdecimal()):
+        raise foreign(response)
+    return int(told)

@@ -25,6 +25,7 @@ from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 log = logging.getLogger(__name__)
 
 MAX_ANSWER = 8 << 20
+VMSTAT = Path("/proc/vmstat")
 KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 ERRORS: Mapping[str, type[BadInput]] = {
     each.__name__: each for each in (BadInput, BadLog, BadMotion, BadRobot, BadStudy, TooLarge)
@@ -79,6 +80,7 @@ def ask(
     error: the class for input that brings the child down. what, file: how the user knows the input.
     """
     request = {"task": task, "options": options, "limits": dataclasses.asdict(limits)}
+    short_before = times_short_of_memory()
     with at_once.place(what):
         code, trace = _run(module, json.dumps(request), folder, limits.wall_s, what, file)
     answer = _read_answer(folder / ANSWER)
@@ -90,8 +92,10 @@ def ask(
     log.warning("reading %s: child ended with %s, answer %s; %s", file or f"a {what}", code, stop, trace)
     if stop == "NoSpace" or code == NO_ROOM:
         raise DiskFull(f"there is no space left for reading the {what}")
-    if code in (-signal.SIGXCPU, -signal.SIGKILL):
-        raise TooLarge(_fault(f"reading the {what} takes too long or too much memory", "time_limit", file))
+    if code == -signal.SIGKILL:  # none of its limits does that
+        raise Unavailable(_killed(file or f"the {what}", limits, times_short_of_memory() > short_before))
+    if code == -signal.SIGXCPU:
+        raise TooLarge(_fault(f"reading the {what} takes more than {limits.cpu_s} s of computing", "time_limit", file))
     if code == -signal.SIGXFSZ or stop == "FileTooLarge":
         raise TooLarge(_fault(f"the {what} unpacks to too many bytes", "too_many_bytes", file))
     if stop == "MemoryError" or "bad_alloc" in trace or "MemoryError" in trace:
@@ -105,6 +109,29 @@ def ask(
             "It is damaged or not what its format promises; export it again.",
             file,
         )
+    )
+
+
+def times_short_of_memory() -> int:
+    """How often the kernel has killed a process for want of memory since it started; 0 where it does not tell."""
+    try:
+        lines = VMSTAT.read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in lines if line.startswith("oom_kill ")), 0)
+
+
+def _killed(file: str, limits: Limits, short: bool) -> str:
+    """What is known of a reader that was killed from outside, and what is not."""
+    why = (
+        "the kernel killed processes for want of memory meanwhile, this one most likely"
+        if short
+        else "by hand, or because memory ran out; this machine does not tell which"
+    )
+    return (
+        f"the process that read {file} was killed: {why}. Of the file nothing is known: it was within its limits, "
+        f"{limits.memory >> 20} MiB of memory and {limits.cpu_s} s. Try again when less runs on the machine; if it "
+        "happens each time, split the file, give the machine more memory, or let fewer read at once (EXOGAUGE_READERS)"
     )
 
 

@@ -7,6 +7,7 @@ What is removed for good is found in a session of all labs, and removed in one o
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timedelta
 from typing import Any, final
@@ -79,22 +80,20 @@ def nothing_more() -> None:
 def retire(
     installation: Installation, ages: Ages, still: Callable[[], None] = nothing_more, *, dry: bool = False
 ) -> Retired:
-    """dry: say what would go, and change nothing. still: called now and then; raises to stop."""
+    """dry: do the same, undo each transaction, and so say what would go. still: called now and then; raises to stop."""
     with installation.reading() as session:
         now = database_now(session)
         due = {table: rows_of(session, table, which) for table, which in which_is_due(ages, now).items()}
         studies = [key for lab, age in ages.studies.items() for key in old_studies(session, lab, now - age)]
-    if dry:
-        logs, jobs, deliveries, keys = (len(due.get(table, ())) for table in (Log, Job, Delivery, IdempotencyKey))
-        return Retired(logs, jobs, deliveries, keys, len(studies))
     still()
-    logs = sum(1 for lab, key in due.get(Log, ()) if deleted(installation, "logs", lab, key, still))
-    jobs = sum(forget_logs(installation, some) for some in pieces(due.get(Job, ()), still))
+    removing = Removing(installation, still, dry)
+    logs = sum(1 for lab, key in due.get(Log, ()) if removing.deleted("logs", lab, key))
+    jobs = sum(removing.forget_logs(some) for some in pieces(due.get(Job, ()), still))
     deliveries, keys = (
-        sum(remove(installation, table, [key for _, key in some]) for some in pieces(due.get(table, ()), still))
+        sum(removing.remove(table, [key for _, key in some]) for some in pieces(due.get(table, ()), still))
         for table in (Delivery, IdempotencyKey)
     )
-    gone = sum(1 for lab, key in studies if deleted(installation, "studies", lab, key, still))
+    gone = sum(1 for lab, key in studies if removing.deleted("studies", lab, key))
     return Retired(logs, jobs, deliveries, keys, gone, len(studies) - gone)
 
 
@@ -144,31 +143,51 @@ def pieces(due: Any, still: Callable[[], None]) -> Iterator[list[tuple[str, str]
         yield some
 
 
-def deleted(installation: Installation, what: str, lab: str, key: str, still: Callable[[], None]) -> bool:
-    """As whoever is of the lab would: False where something needs it, or it is gone already."""
-    still()
-    try:
-        with installation.of_lab(lab, ACTOR).transaction() as store:
-            getattr(store, what).delete(key)
-    except (Conflict, NotFound):
-        return False
-    return True
+class Undone(Exception):
+    """Ends a transaction that was only tried."""
 
 
-def forget_logs(installation: Installation, due: list[tuple[str, str]]) -> int:
-    """Their words and steps; how they ended, and of what, stays. Listeners are told nothing: revisions stay as well."""
-    nothing = {"log": "", "steps": None, "revision": Job.revision}
-    with installation.session() as session:
-        keys = [key for _, key in due]
-        mine = sa.update(Job).where(Job.id.in_(keys), Job.state.in_(ENDED)).values(**nothing)
-        count = session.execute(mine, execution_options=QUIET).rowcount  # type: ignore[attr-defined]
-        for lab in dict.fromkeys(lab for lab, _ in due):
-            said = f"logs of {sum(1 for each, _ in due if each == lab)} ended jobs"
-            record(session, lab, ACTOR, "forget", "lab", lab[:36], said=said)
-    return int(count)
+@final
+@dataclass(frozen=True)
+class Removing:
+    """Removes, or with `dry` tries to."""
 
+    installation: Installation
+    still: Callable[[], None]
+    dry: bool
 
-def remove(installation: Installation, table: Any, keys: list[str]) -> int:
-    with installation.session() as session:
-        gone = sa.delete(table).where(table.id.in_(keys))
-        return int(session.execute(gone, execution_options=QUIET).rowcount)  # type: ignore[attr-defined]
+    def deleted(self, what: str, lab: str, key: str) -> bool:
+        """As whoever is of the lab would: False where something needs it, or it is gone already."""
+        self.still()
+        try:
+            with suppress(Undone), self.installation.of_lab(lab, ACTOR).transaction() as store:
+                getattr(store, what).delete(key)
+                self._undo()
+        except (Conflict, NotFound):
+            return False
+        return True
+
+    def forget_logs(self, due: list[tuple[str, str]]) -> int:
+        """Their words and steps; how they ended, and of what, stays. Listeners are told nothing: revisions stay too."""
+        nothing, count = {"log": "", "steps": None, "revision": Job.revision}, 0
+        with suppress(Undone), self.installation.session() as session:
+            keys = [key for _, key in due]
+            mine = sa.update(Job).where(Job.id.in_(keys), Job.state.in_(ENDED)).values(**nothing)
+            count = session.execute(mine, execution_options=QUIET).rowcount  # type: ignore[attr-defined]
+            for lab in dict.fromkeys(lab for lab, _ in due):
+                said = f"logs of {sum(1 for each, _ in due if each == lab)} ended jobs"
+                record(session, lab, ACTOR, "forget", "lab", lab[:36], said=said)
+            self._undo()
+        return int(count)
+
+    def remove(self, table: Any, keys: list[str]) -> int:
+        count = 0
+        with suppress(Undone), self.installation.session() as session:
+            gone = sa.delete(table).where(table.id.in_(keys))
+            count = session.execute(gone, execution_options=QUIET).rowcount  # type: ignore[attr-defined]
+            self._undo()
+        return int(count)
+
+    def _undo(self) -> None:
+        if self.dry:
+            raise Undone
