@@ -1,7 +1,8 @@
 """What goes because it is old, where who runs the installation has said so. Results and what they came of stay, unless
 their lab is named with an age; what is published stays whatever its age.
 
-What is removed for good is found in a session of all labs, and removed in one of its lab, whose audit tells it. What will
+What is removed for good is found in a session of all labs, and removed in one of its lab, whose audit tells it.
+What will
 go of one lab, and when, its admin is told.
 """
 

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from pypdf import PdfReader
 
-from exogauge.demo import DETAIL, summary_text
 from exogauge.studies.report.page_model import Page, Table
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_figure import units_of
 from exogauge.studies.report.summary_page import SummaryPage, summary_page
+from exogauge.studies.report.summary_text import DETAIL, summary_text
 
 Evaluated = Callable[..., dict[str, Any]]
 A4 = (595.28, 841.89)  # [pt]
