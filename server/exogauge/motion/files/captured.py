@@ -111,7 +111,7 @@ def posed(
 
 
 def _pose(parent: NDArray[np.intp], local: Array, offset: Array, end: Array, root: Array) -> tuple[Array, Array, Array]:
-    """Places (T, J, 3), turns (T, J, 3, 3) and ends (T, J, 3) of bones, parents before children. offset: (T or 1, J, 3)."""
+    """Places (T, J, 3), turns (T, J, 3, 3), ends (T, J, 3) of bones, parents first. offset: (T or 1, J, 3)."""
     rotation, position = np.empty_like(local), np.empty((*local.shape[:2], 3))
     for j, above in enumerate(parent):
         if above < 0:
