@@ -31,6 +31,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 import httpx
+import psycopg
 import sqlalchemy as sa
 from tests.whole_service import SERVER, Service, database, descendants, small_study
 
@@ -177,10 +178,10 @@ def copy(url: str, study: str, count: int, chance: random.Random) -> tuple[list[
                         new |= {"id": jobs[k], "request_hash": other[k]}
                     made.append(new)
                 connection.execute(sa.insert(shape), made)
-    with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-        if url.startswith("postgresql"):
-            connection.exec_driver_sql("VACUUM ANALYZE")  # as the server does it by itself, some minutes later
     engine.dispose()
+    if url.startswith("postgresql"):
+        with psycopg.connect(url.replace("+psycopg", ""), autocommit=True) as line:
+            line.execute("VACUUM ANALYZE")  # as the server does it by itself, some minutes later
     return studies, jobs
 
 
