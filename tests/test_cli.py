@@ -45,6 +45,12 @@ def test_run_says_what_is_wrong_with_the_input_and_ends_with_2(tmp_path, capsys)
     assert main(["doctor", str(tmp_path / "study.yaml")]) == 2
 
 
+def test_a_fault_is_told_by_the_command_whatever_else_is_called_name(tmp_path, capsys):
+    (tmp_path / "a.bvh").write_text("HIERARCHY")
+    assert main(["motion", "import", str(tmp_path / "a.bvh"), "--name", "Brust=Spine2"]) == 2
+    assert capsys.readouterr().err.startswith("exogauge motion: a.bvh")
+
+
 def test_an_unknown_command_ends_with_2_and_lists_those_there_are():
     answer = exogauge("cook")
     assert answer.returncode == 2

@@ -18,8 +18,10 @@ from exogauge.api.passwords import checked
 from exogauge.errors import BadInput
 from exogauge.serving import say_set_up_code
 from exogauge.settings import Settings
+from exogauge.storage import callers
 from exogauge.storage.account_tables import ApiToken, Invitation, SessionRow
 from exogauge.storage.accounts import Accounts
+from exogauge.storage.callers import Caller
 from exogauge.storage.secrets import is_token, new_token
 from exogauge.storage.tables import AuditEntry, IdempotencyKey, utc_now
 
@@ -373,6 +375,37 @@ def test_events_end_soon_after_the_session_that_asked_for_them(
         assert all("succeeded" not in line for line in lines)  # it ended, and the job did not
     with people.browser(key) as browser:
         assert browser.get(f"{V1}/jobs/{job}/events").status_code == 401
+
+
+@on_sqlite
+def test_streams_of_one_token_are_looked_at_together_and_a_revoked_one_is_not_known_for_long(
+    people: People, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    people.person("ada@example.org", "north")
+    (row, secret), (_, other) = people.token("north"), people.token("north")
+    looks, by_token = list[str](), callers.by_token
+
+    def counted(session: Any, token: str) -> Any:
+        looks.append(token)
+        return by_token(session, token)
+
+    monkeypatch.setattr(callers, "by_token", counted)
+    gate = access.Access(people.app)
+
+    def still(token: str, lab: str = "north") -> bool:
+        headers = [(b"authorization", f"Bearer {token}".encode())]
+        scope = {"type": "http", "method": "GET", "path": f"{V1}/jobs/{row}/events", "headers": headers}
+        return gate.still({**scope, "app": people.app, access.CALLER: Caller("token", lab, "member")})
+
+    assert all(still(secret) for _ in range(50))
+    assert still(other)
+    assert looks == [secret, other]
+    assert not still(secret, "south")
+    with people.installation.of_lab("north").transaction() as store:
+        store.tokens.revoke(row)
+    monkeypatch.setattr(access, "SHARED_S", -1.0)
+    assert not still(secret)
+    assert not still("no token")
 
 
 @pytest.fixture

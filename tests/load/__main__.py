@@ -31,6 +31,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 import httpx
+import psycopg
 import sqlalchemy as sa
 from tests.whole_service import SERVER, Service, database, descendants, small_study
 
@@ -177,10 +178,10 @@ def copy(url: str, study: str, count: int, chance: random.Random) -> tuple[list[
                         new |= {"id": jobs[k], "request_hash": other[k]}
                     made.append(new)
                 connection.execute(sa.insert(shape), made)
-    with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-        if url.startswith("postgresql"):
-            connection.exec_driver_sql("VACUUM ANALYZE")  # as the server does it by itself, some minutes later
     engine.dispose()
+    if url.startswith("postgresql"):
+        with psycopg.connect(url.replace("+psycopg", ""), autocommit=True) as line:
+            line.execute("VACUUM ANALYZE")  # as the server does it by itself, some minutes later
     return studies, jobs
 
 
@@ -284,10 +285,10 @@ def listened(service: Service, stored: Stored, seconds: float = 20.0) -> bool:
     parts = urlsplit(url)
     assert parts.hostname is not None
     with asking(url, stored.token) as client:
-        body = {"study_id": stored.studies[0], "kind": "evaluate", "settings": {}}
         waiting = []
-        for key in stored.studies[:20]:
-            answer = client.post("/jobs", json=body | {"study_id": key, "kind": "identify"})
+        for key in stored.studies[:20]:  # with other settings than those that have succeeded
+            body = {"study_id": key, "kind": "evaluate", "settings": {"cutoff_hz": 7.0}}
+            answer = client.post("/jobs", json=body)
             waiting.append(answer.raise_for_status().json()["id"])
     lines = []
     for k in range(LISTENERS):

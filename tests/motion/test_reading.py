@@ -170,6 +170,27 @@ def test_bones_of_a_bvh_turn_in_the_order_of_their_channels(tmp_path) -> None:
     assert tree.position[0, 0, 2] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("way", ["whole", "added", "as described"])
+def test_a_limb_that_moves_in_its_parent_is_where_the_file_says(tmp_path, way: str) -> None:
+    """Position channels of the foot, as programs write them: the place in the parent, or what is added to OFFSET."""
+    six = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"
+    head, _, rest = BVH.partition("JOINT LeftFoot")
+    text = head + "JOINT LeftFoot" + rest.replace("CHANNELS 3 Zrotation Xrotation Yrotation", six, 1)
+    there = {"whole": ("10 -95 0", "10 -95 3"), "added": ("0 0 0", "0 0 3"), "as described": ("10 -95 0", "10 -95 0")}
+    first, second = text.rsplit("\n", 3)[1:3]
+    numbers = [" ".join([*row.split()[:12], place, *row.split()[12:]]) for row, place in
+               zip((first, second), there[way], strict=True)]  # fmt: skip
+    (tmp_path / "a.bvh").write_text(text.rsplit("\n", 3)[0] + "\n" + "\n".join(numbers) + "\n")
+    motion = open_motion(tmp_path / "a.bvh", up="y")
+    tree, foot = motion.tree, motion.tree.names.index("LeftFoot")
+    in_root = np.einsum("tba,tb->ta", tree.rotation[:, 0], tree.position[:, foot] - tree.position[:, 0])
+    moved = 0.0 if way == "as described" else 0.03
+    assert in_root == pytest.approx(np.array([[0.1, -0.95, 0.0], [0.1, -0.95, moved]]), abs=1e-9)
+    assert ("limb_positions" in motion.told) == bool(moved)
+    if moved:
+        assert "LeftFoot is up to 3 off" in motion.told["limb_positions"]
+
+
 def test_bones_of_an_amc_turn_about_their_own_axes(tmp_path) -> None:
     (tmp_path / "a.asf").write_text(ASF)
     (tmp_path / "a.amc").write_text(AMC)

@@ -117,19 +117,20 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(Guard, local_only=settings.local_only)
     app.add_middleware(Rate, per_s=settings.requests_per_s)
     app.add_middleware(Observed, measures=measures)
-    for router in (
+    for router in (  # those that are asked most come first: a request is held against one after the other
+        *job_routers(),
+        studies.router,
+        series.router,
+        results.router,
         robots.router,
         devices.router,
         logs.router,
-        studies.router,
         payload_drafts.router,
         payloads.router,
         motions.router,
         plans.router,
         live.router,
         what_if.router,
-        results.router,
-        series.router,
         raw_series.router,
         scenes.router,
         uploads_resumable.router,
@@ -145,7 +146,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         publications.router,
         published.router,
         webhooks.router,
-        *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)
     app.include_router(health.router)

@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = options.command(options)
     except ExogaugeError as error:
-        print(f"exogauge {options.name}: {error}", file=sys.stderr)
+        print(f"exogauge {options.verb}: {error}", file=sys.stderr)
         return ending_of(error)
     except KeyboardInterrupt:
         return 130
@@ -42,7 +42,7 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"exogauge {__version__}")
     top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
-    commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
+    commands = top.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for each in (study, payload, motion, sample, blind, service, accounts, at_service, labs, upkeep):
         each.add_commands(commands)
     return top

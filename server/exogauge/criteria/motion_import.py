@@ -42,6 +42,7 @@ class MotionImport:
     least_turn_deg: float = (
         3.2  # judgement: π in radians, by which no joint of a body turns; a motion in degrees has more
     )
+    same_place: float = 0.001  # judgement: of the longest bone; what programs round a bone's place to is less
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,15 +81,45 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     if angle == "rad":
         data[:, turns] = np.degrees(data[:, turns])
     told = {} if angle is None else {"angles": f"stated: {angle}"}
+    rest, moved = _places(names, np.stack(offset), channels, data, told)
     return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None, told=told,
-                    skeleton=_posed(names, np.array(parent, np.intp), offset, end, channels, data))  # fmt: skip
+                    skeleton=_posed(names, np.array(parent, np.intp), rest, moved, end, channels, data))  # fmt: skip
+
+
+def _places(
+    names: list[str], offset: Array, channels: list[list[str]], data: Array, told: dict[str, str]
+) -> tuple[Array, Array | None]:
+    """(J, 3) of each bone in its parent, and (T, J, 3) where position channels of limbs say more than their OFFSETs.
+
+    Such a channel is the place in the parent, as most programs write it, or what is added to OFFSET: whichever leaves
+    the bones as they are described.
+    """
+    begins = np.cumsum([0, *map(len, channels)])
+    given = np.zeros((len(names), 3), dtype=bool)
+    said = np.zeros((len(data), len(names), 3))
+    for j, named in enumerate(channels):
+        for column, each in enumerate(named, start=int(begins[j])):
+            if j and each.endswith("position"):
+                given[j, "xyz".index(each[0])] = True
+                said[:, j, "xyz".index(each[0])] = data[:, column]
+    whole = np.where(given, said, offset)
+    added = offset + said
+    place = min((whole, added), key=lambda each: float(np.abs(each - offset).sum()))
+    stray = np.linalg.norm(place - offset, axis=2).max(axis=0)
+    if stray.max() <= USUAL.same_place * np.linalg.norm(offset, axis=1).max(initial=0.0):
+        return offset, None
+    j = int(stray.argmax())
+    how = "in place of OFFSET" if place is whole else "added to OFFSET"
+    told["limb_positions"] = f"read, {how}: {names[j]} is up to {stray[j]:.3g} off it, in units of the file"
+    return np.median(place, axis=0), place
 
 
 def _posed(
-    names: list[str], parent: NDArray[np.intp], offset: list[Array], end: list[Array], channels: list[list[str]],
-    data: Array,
+    names: list[str], parent: NDArray[np.intp], offset: Array, moved: Array | None, end: list[Array],
+    channels: list[list[str]], data: Array,
 ) -> JointTree:  # fmt: skip
     local, root, column = np.empty((len(data), len(names), 3, 3)), np.tile(offset[0], (len(data), 1)), 0
+    ends_in = dict[int, int]()
     for j, named in enumerate(channels):
         turn = Rotation.identity(len(data))
         for each in named:
@@ -103,5 +134,12 @@ def _posed(
         if np.isnan(end[j]).any():  # a bone ends where its first child begins
             below = [k for k in range(len(names)) if parent[k] == j]
             end[j] = offset[below[0]] if below else np.zeros(3)
+            ends_in |= {j: below[0]} if below else {}
     still = np.tile(np.eye(3), (len(names), 1, 1))
-    return posed(names, parent, local, still, np.stack(offset), np.stack(end), root)
+    tree = posed(names, parent, local, still, offset, np.stack(end), root, moved)
+    if moved is None:
+        return tree
+    ends = tree.end.copy()
+    for j, child in ends_in.items():
+        ends[:, j] = tree.position[:, child]
+    return replace(tree, end=ends)

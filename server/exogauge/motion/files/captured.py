@@ -96,25 +96,28 @@ def even_time(path: Path, time: Array) -> Array:
 
 
 def posed(
-    names: Sequence[str], parent: NDArray[np.intp], local: Array, rest: Array, offset: Array, end: Array, root: Array
+    names: Sequence[str], parent: NDArray[np.intp], local: Array, rest: Array, offset: Array, end: Array, root: Array,
+    moved: Array | None = None,
 ) -> JointTree:  # fmt: skip
     """The skeleton in every frame and at rest.
 
     local: (T, J, 3, 3) turn of each bone in its parent; rest: (J, 3, 3) with all angles zero. offset: (J, 3) of its
-    origin in its parent's frame. end: (J, 3) in its own frame. root: (T, 3).
+    origin in its parent's frame; moved: (T, J, 3) the same in each frame, where it is not always there. end: (J, 3) in
+    its own frame. root: (T, 3).
     """
-    position, rotation, ends = _pose(parent, local, offset, end, root)
-    still, turned, still_end = (each[0] for each in _pose(parent, rest[None], offset, end, root[:1]))
+    position, rotation, ends = _pose(parent, local, offset[None] if moved is None else moved, end, root)
+    still, turned, still_end = (each[0] for each in _pose(parent, rest[None], offset[None], end, root[:1]))
     return JointTree(tuple(names), parent, position, rotation, ends, turned, still, still_end)
 
 
 def _pose(parent: NDArray[np.intp], local: Array, offset: Array, end: Array, root: Array) -> tuple[Array, Array, Array]:
-    """Places (T, J, 3), turns (T, J, 3, 3) and ends (T, J, 3) of bones, parents before children."""
+    """Places (T, J, 3), turns (T, J, 3, 3), ends (T, J, 3) of bones, parents first. offset: (T or 1, J, 3)."""
     rotation, position = np.empty_like(local), np.empty((*local.shape[:2], 3))
     for j, above in enumerate(parent):
         if above < 0:
             rotation[:, j], position[:, j] = local[:, j], root
         else:
             rotation[:, j] = rotation[:, above] @ local[:, j]
-            position[:, j] = position[:, above] + rotation[:, above] @ offset[j]
+            turned = np.einsum("tab,tb->ta", rotation[:, above], np.broadcast_to(offset[:, j], root.shape))
+            position[:, j] = position[:, above] + turned
     return position, rotation, position + np.einsum("tjab,jb->tja", rotation, end)
