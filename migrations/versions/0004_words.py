@@ -8,7 +8,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-from exogauge.storage.search import words_of
+from exogauge.storage.bundles import words_of
 
 revision = "0004"
 down_revision = "0003"

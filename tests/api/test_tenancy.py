@@ -25,8 +25,8 @@ from exogauge.api import live
 from exogauge.api.rights import right_of
 from exogauge.settings import Settings
 from exogauge.storage.account_tables import SessionRow
+from exogauge.storage.accounts import Identities
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.identities import Identities
 from exogauge.storage.live_streams import Counts
 from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.records import PublishedFile

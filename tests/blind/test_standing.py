@@ -10,8 +10,7 @@ import yaml
 
 from exogauge.blind.answers import read_answers
 from exogauge.blind.generator.foot_faults import KINDS
-from exogauge.blind.generator.make import make
-from exogauge.blind.generator.standing import VISIBLE
+from exogauge.blind.generator.make import VISIBLE, make
 
 pytest.importorskip("mujoco")
 pytestmark = pytest.mark.slow

@@ -14,8 +14,7 @@ from exogauge.findings.verdict import Why
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.progress import unwatched
-from exogauge.robots.declared import Declared
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Declared, Robot
 from exogauge.search.baseline import lay_ground
 from exogauge.search.declared import within_declared
 from exogauge.search.locate import located

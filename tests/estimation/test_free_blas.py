@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg as sl
 
-from exogauge.estimation.free_blas import add_gram
+from exogauge.estimation.statistics import add_gram
 
 LAYOUTS = {
     "by columns": np.asfortranarray,

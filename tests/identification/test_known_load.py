@@ -15,7 +15,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.remarks import About, Remark
-from exogauge.robots.known_load import KnownLoad
+from exogauge.robots.description import KnownLoad
 from exogauge.support.balance import balance
 
 OPEN = Remark(About.FACTOR_OPEN)

@@ -4,8 +4,8 @@ import numpy as np
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.identify import identify
-from exogauge.identification.physical import possible_parameters
 from exogauge.identification.prior import inertial_std
+from exogauge.identification.ranges import possible_parameters
 from exogauge.identification.settings import Recording, Settings
 from exogauge.robots.consistency import is_physical
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
 
-from exogauge.logs.around import around
+from exogauge.logs.segments import around
 
 
 @pytest.mark.parametrize("reach", [0, 1, 7, 400])

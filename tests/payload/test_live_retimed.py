@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from exogauge.payload.live_retimed import Retimed
+from exogauge.payload.live_track import Retimed
 
 Array = NDArray[np.float64]
 TIME = np.arange(200) / 250.0

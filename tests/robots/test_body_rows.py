@@ -8,7 +8,7 @@ import pytest
 from tests.sensor_arm import Sensor, describe, wrist
 
 from exogauge.robots.body_rows import body_rows
-from exogauge.robots.known_load import KnownLoad
+from exogauge.robots.description import KnownLoad
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import cut_regressor, regressor
 from exogauge.robots.urdf import load_tree

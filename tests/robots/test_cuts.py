@@ -9,11 +9,10 @@ import pytest
 from exogauge.errors import BadRobot
 from exogauge.robots.cuts import CutRows
 from exogauge.robots.export import export_urdf
-from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import cut_regressor, cut_wrench, regressor
-from exogauge.robots.row_blocks import RowBlocks
+from exogauge.robots.row_blocks import BodyLoads, RowBlocks
 from exogauge.robots.urdf import load_tree
 
 LINK = (

@@ -6,7 +6,7 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
-from exogauge.scene.player import POLICY, player_page
+from exogauge.scene.stage import POLICY, player_page
 
 CLIENT = Path(str(find_spec("viser").origin)).parent / "client"  # type: ignore[union-attr]
 

@@ -6,9 +6,9 @@ import pytest
 import sqlalchemy as sa
 
 from exogauge.storage import migrate
+from exogauge.storage.bundles import folded
 from exogauge.storage.database import make_engine
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.search import folded
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import Job
 

@@ -9,7 +9,7 @@ import yaml
 
 from exogauge.studies.import_log.column_guess import guess
 from exogauge.studies.import_log.column_words import Advice, JointFacts, Seen, Suggestion, Wearer
-from exogauge.studies.import_log.mapping_proposal import proposal
+from exogauge.studies.import_log.log_preview import proposal
 from exogauge.studies.intake.mapping_file import parse_mapping
 
 ROBOT = Wearer(

@@ -14,7 +14,7 @@ from exogauge.devices.routing import Routing
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
-from exogauge.robots.declared import Declared
+from exogauge.robots.description import Declared
 from exogauge.support.balance import balance, of_this_log, slopes
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, starts

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.criteria.identifying import DECLARED
-from exogauge.robots.declared import Declared
+from exogauge.robots.description import Declared
 from exogauge.support.balance import balance
 from exogauge.support.drift import Drift, find_drift, told_by_runs
 from exogauge.support.evaluate import estimate_support

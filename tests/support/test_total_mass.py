@@ -10,7 +10,7 @@ import pytest
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.remarks import About
-from exogauge.robots.declared import Declared
+from exogauge.robots.description import Declared
 
 GAIN = 0.01
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.devices.device import ViaPoint
-from exogauge.robots.declared import Declared
+from exogauge.robots.description import Declared
 from exogauge.support.balance import balance
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.notes import notes_on_zeros

@@ -28,7 +28,7 @@ from exogauge.synthetic.log_runs import Bench, run_log
 from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
 from exogauge.synthetic.simulation import LOG_RATE_HZ, Recording
 from exogauge.synthetic.study import write_study
-from exogauge.synthetic.suit_facts import BANDS
+from exogauge.synthetic.suit import BANDS
 from exogauge.synthetic.true_robot import draw_robot
 
 pytestmark = pytest.mark.slow

@@ -6,12 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from exogauge.synthetic import suit_facts
 from exogauge.synthetic.mjcf import mujoco_model
 from exogauge.synthetic.motion import standing
 from exogauge.synthetic.robot_facts import AXES, BY_NAME, JOINT_NAMES, LINKS, Link
 from exogauge.synthetic.simulation import LOG_RATE_HZ
-from exogauge.synthetic.suit_facts import BANDS, LAYER, BandFacts
+from exogauge.synthetic.suit import BANDS, LAYER, STRETCH_STANDING, BandFacts
 
 pytestmark = pytest.mark.slow
 
@@ -107,7 +106,7 @@ def test_standing_every_band_is_just_taut_and_as_long_as_its_polyline(bench, pla
         data.qpos[:3], data.qpos[7:] = posture.base[0], upright
         mujoco.mj_forward(model, data)
         np.testing.assert_allclose(data.ten_length, _lengths(upright), atol=1e-12)
-        least, most = suit_facts.STRETCH_STANDING
+        least, most = STRETCH_STANDING
         stretch = data.ten_length - [band.natural_length for band in suit.bands]
         assert stretch.min() >= least - 0.0005
         assert stretch.max() <= most + 0.0005

@@ -19,8 +19,8 @@ from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import NotFound
 from exogauge.storage.blobs import BlobStore
+from exogauge.storage.shares import VisibleResult, visible_results
 from exogauge.storage.store import Installation
-from exogauge.storage.visible_results import VisibleResult, visible_results
 from exogauge.studies.results.between_labs import DeviceKey, Wearing, compared, wearings
 
 router = Router(tags=["compare"])

@@ -44,8 +44,7 @@ from exogauge.errors import Conflict, NotFound
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.callers import RANK, Caller
 from exogauge.storage.closing import close_lab
-from exogauge.storage.outlook import What, next_studies, outlook
-from exogauge.storage.retention import Ages
+from exogauge.storage.retention import Ages, What, next_studies, outlook
 from exogauge.storage.rows import record
 from exogauge.storage.secrets import hashed
 from exogauge.storage.store import Store

@@ -18,7 +18,7 @@ from exogauge.api.results import ANY_FILE, file_response
 from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, ExogaugeError, Fault, NotFound
-from exogauge.payload.live_frames import CLIENT_BYTES, CLIENT_TEXT
+from exogauge.payload.live_messages import CLIENT_BYTES, CLIENT_TEXT
 
 router = Router(tags=["live"])
 

@@ -25,7 +25,7 @@ from starlette.concurrency import run_in_threadpool
 
 from exogauge.blas_threads import one_thread
 from exogauge.errors import Conflict, Fault, NotFound, Unavailable
-from exogauge.payload.live_frames import CLIENT_TEXT, CONTROL, Frames, framed
+from exogauge.payload.live_messages import CLIENT_TEXT, CONTROL, Frames, framed
 from exogauge.settings import Settings
 from exogauge.storage.blobs import disk
 from exogauge.storage.live_streams import Counts, lab_of_stream

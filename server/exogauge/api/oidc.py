@@ -37,9 +37,8 @@ from exogauge.api.routing import Router
 from exogauge.api.session import Code, account_of, refuse_open_line
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import Conflict, NotFound
-from exogauge.storage.accounts import Accounts
+from exogauge.storage.accounts import Accounts, Identities
 from exogauge.storage.callers import Caller
-from exogauge.storage.identities import Identities
 from exogauge.storage.store import Installation
 
 router = Router(tags=["accounts"], dependencies=[AccountsOn])

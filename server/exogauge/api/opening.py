@@ -94,7 +94,7 @@ def payload(folder: str) -> dict[str, Any]:
     from exogauge.errors import BadStudy, Fault
     from exogauge.payload.intake import open_payload
     from exogauge.payload.planning.plan import open_plan
-    from exogauge.payload.summary import summary
+    from exogauge.payload.report import summary
 
     opened = open_payload(Path(folder))
     if opened.file.plan is not None:

@@ -24,7 +24,7 @@ from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
 from exogauge.scene.drawing import draw_at_rest, draw_captured, draw_log, draw_payload, draw_played
 from exogauge.scene.frames import Frames
-from exogauge.scene.player import POLICY, made_for, player_page
+from exogauge.scene.stage import POLICY, made_for, player_page
 from exogauge.settings import Settings
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.records import StudyRecord

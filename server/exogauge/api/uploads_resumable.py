@@ -33,9 +33,9 @@ from exogauge.api.problems import problem_response
 from exogauge.api.routing import Router
 from exogauge.errors import Conflict, DiskFull, Fault, TooLarge
 from exogauge.settings import Settings
+from exogauge.storage.blobs import InUse
 from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import PartialFiles, copy_piece, sync, write_all
-from exogauge.storage.pieces import InUse
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import new_id, utc_now

@@ -184,9 +184,8 @@ def follow_payload(options: argparse.Namespace) -> int:
     import json
     from contextlib import ExitStack
 
-    from exogauge.payload.live_lines import Stream, from_lines, from_log
+    from exogauge.payload.live_lines import Stream, from_lines, from_log, lines, written
     from exogauge.payload.live_start import open_start
-    from exogauge.payload.live_text import lines, written
 
     stream = Stream(*open_start(options.payload), options.rate)
     messages = from_lines(sys.stdin, stream) if options.log is None else from_log(log_beside(options), stream)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from exogauge.devices.device import Band
 from exogauge.errors import BadInput, Fault
-from exogauge.robots.kinematics import Kinematics
+from exogauge.robots.kinematics import Kinematics, cross
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
@@ -208,9 +208,9 @@ class WireSweep:
         line [e; p x e] is the same at both ends.
         """
         layout, e = self.layout, self.direction
-        line = np.concatenate([e, _cross(self._start, e)])
+        line = np.concatenate([e, cross(self._start, e, axis=0)])
         pulled = np.matmul(layout.carried, line)
-        motion = np.concatenate([_cross(self._place, self._axis), self._axis])
+        motion = np.concatenate([cross(self._place, self._axis, axis=0), self._axis])
         slides = layout.prismatic
         motion[:3, slides], motion[3:, slides] = self._axis[:, slides], 0.0
         slopes: Array = np.einsum("xkt,xkt->kt", pulled, motion[:, layout.pair_joint])
@@ -251,12 +251,3 @@ class WireSweep:
             else:
                 point[:, of_joint] = np.matmul(x, self._R[k]) + self._place[:, k, None]
         return point
-
-
-def _cross(u: Array, v: Array) -> Array:
-    """(3, N, T) along axis 0."""
-    out = np.empty_like(v)
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.multiply(u[y], v[z], out=out[x])
-        out[x] -= u[z] * v[y]
-    return out

@@ -81,22 +81,6 @@ def log_det_distance(phi: Array, phi_ref: Array) -> Array:
     return np.where(possible, np.sum(safe - 1 - np.log(safe), axis=-1), np.inf)
 
 
-def log_det_gradient(phi: Array, phi_ref: Array) -> Array:
-    """∂ log_det_distance / ∂phi, (..., 10), for possible bodies."""
-    E = pseudo_inertia(np.eye(10))
-    slope = np.linalg.inv(pseudo_inertia(phi_ref)) - np.linalg.inv(pseudo_inertia(phi))
-    gradient: Array = np.einsum("...ij,kji->...k", slope, E)
-    return gradient
-
-
-def log_det_hessian(phi: Array) -> Array:
-    """∂² log_det_distance / ∂phi², (..., 10, 10): tr(J⁻¹ E_k J⁻¹ E_l), for any reference; positive definite."""
-    E = pseudo_inertia(np.eye(10))
-    JE = np.linalg.inv(pseudo_inertia(phi))[..., None, :, :] @ E
-    hessian: Array = np.einsum("...kij,...lji->...kl", JE, JE)
-    return hessian
-
-
 def relative_margin(phi: Array, phi_ref: Array) -> Array:
     """Smallest eigenvalue of J_ref⁻¹ J, (...): 1 at the reference, 0 on the border, negative for an impossible body."""
     margin: Array = _eigenvalues_relative(phi, phi_ref).min(axis=-1)

@@ -3,19 +3,22 @@
 Every sample gives R rows of different kinds (six base axes, one per joint …); a row of kind r touches only the
 parameters `columns[r]`. Kept per kind is either the Gram matrix of [A_r | y_r], or its triangular QR factor
 (no squaring of the condition number: the accurate mode). Both add, re-weight and leave out in the same way.
+
+The Gram matrix is summed by SciPy's own `dsyrk`, by its address, so that it leaves the interpreter to other threads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import ctypes
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, final
 
 import numpy as np
 import scipy.linalg as sl
 from numpy.typing import NDArray
-
-from exogauge.estimation.free_blas import add_gram
+from scipy.linalg import cython_blas
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -126,15 +129,14 @@ class Statistics:
 
     def residual_square_sum(self, x: Array) -> Array:
         """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
-        sums = np.empty(len(self.columns))
-        for kind, columns in enumerate(self.columns):
-            v = np.append(x[columns], -1.0)
-            product = self.store[kind] @ v
-            if self.form == "gram":
-                sums[kind] = 2.0 * (v @ product) - np.diag(self.store[kind]) @ v**2
-            else:
-                sums[kind] = np.sum(product**2)
-        return np.maximum(sums, 0.0)
+        return np.array([self.left(kind, x) for kind in range(len(self.columns))])
+
+    def left(self, kind: int, x: Array) -> float:
+        """Of one kind."""
+        v = np.append(x[self.columns[kind]], -1.0)
+        product = self.store[kind] @ v
+        squares = 2.0 * (v @ product) - np.diag(self.store[kind]) @ v**2 if self.form == "gram" else product @ product
+        return max(float(squares), 0.0)
 
     def along(self, kind: int, place: int, x: Array) -> tuple[float, float]:
         """(a^T (y - A x), a^T a) of one column a of one kind's rows. place: within the row. x: (P,)."""
@@ -153,3 +155,32 @@ def upper_factor(matrix: Array) -> Array:
     """R of the QR factorisation, (min(n, k), k)."""
     R: Array = np.asarray(np.linalg.qr(matrix, mode="r"))
     return R
+
+
+def add_gram(block: Array, gram: Array) -> None:
+    """Upper triangle of gram += blockᵀ block, in place. block: (n, k) of any layout. gram: (k, k) by columns."""
+    if not (gram.flags.f_contiguous and gram.flags.writeable and gram.shape == (block.shape[1],) * 2):
+        raise ValueError(f"no (k, k) array by columns: {gram.shape} for rows of {block.shape[1]}")
+    by_rows = block.flags.c_contiguous
+    if not by_rows and not (block.strides[0] == block.itemsize and block.strides[1] >= block.strides[0] * len(block)):
+        block = np.asfortranarray(block)
+    apart = max(block.strides[0 if by_rows else 1] // block.itemsize, 1)
+    samples, columns = (ctypes.c_int(n) for n in block.shape)
+    one, by, to = ctypes.c_double(1.0), ctypes.c_int(apart), ctypes.c_int(max(len(gram), 1))
+    trans = b"N" if by_rows else b"T"
+    _dsyrk()(
+        b"U", trans, ctypes.byref(columns), ctypes.byref(samples), ctypes.byref(one), block.ctypes.data,
+        ctypes.byref(by), ctypes.byref(one), gram.ctypes.data, ctypes.byref(to),
+    )  # fmt: skip
+
+
+@cache
+def _dsyrk() -> Callable[..., None]:
+    capsule = cython_blas.__pyx_capi__["dsyrk"]
+    name_of = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(("PyCapsule_GetName", ctypes.pythonapi))
+    address_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
+        ("PyCapsule_GetPointer", ctypes.pythonapi)
+    )
+    pointer = ctypes.c_void_p
+    characters, numbers = (ctypes.c_char_p,) * 2, (pointer,) * 8
+    return ctypes.CFUNCTYPE(None, *characters, *numbers)(address_of(capsule, name_of(capsule)))

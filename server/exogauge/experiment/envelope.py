@@ -40,13 +40,6 @@ class Envelope:
         assert robot.home is not None
         return np.asarray(robot.home[self.stance.free])
 
-    @property
-    def home_joints(self) -> Array:
-        """(J,) of all joints."""
-        robot = self.stance.robot
-        assert robot.home is not None
-        return np.asarray(robot.home[robot.base :])
-
     @cached_property
     def sizes(self) -> Array:
         """(free, 1) [rad/s or m/s] speeds that count alike."""

@@ -25,10 +25,9 @@ from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.preparation import Prepared, View
 from exogauge.robots.cuts import CutRows
 from exogauge.robots.description import Robot
-from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import BaseParameters
-from exogauge.robots.row_blocks import RowBlocks
+from exogauge.robots.row_blocks import BodyLoads, RowBlocks
 from exogauge.robots.rows import RowLayout, RowType
 
 Array = NDArray[np.float64]

@@ -28,11 +28,10 @@ from exogauge.identification.model import AxisSizes, Extension, RobotModel
 from exogauge.identification.noise_bias import NoiseFloor, known_noise, noise_bias
 from exogauge.identification.parameters import describe, given_the_scale, with_parts
 from exogauge.identification.per_log import PerLog
-from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import Scales, added_std, joint_prior, per_parameter, relative_std, scales
-from exogauge.identification.ranges import clip_to_ranges
+from exogauge.identification.ranges import asked_for_negative_mass, clip_to_ranges, possible_parameters
 from exogauge.identification.result import ChannelFit, Channels, Identification, Prediction, SteadyShare
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve
@@ -140,6 +139,7 @@ class _Made:
     at_rest: RestDetection
     cutoff_hz: float
     kept: PerLog
+    attached: PerLog
     seen: Scales
     prior: Prior
     solution: Solution
@@ -161,11 +161,11 @@ def _made(
     progress(0.05, Doing.FILTERING)
     at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping, settings.criteria.resting)
 
-    kept = _prepared_alike(extension, robot, cutoff_hz, at_rest)
+    kept, attached = _prepared_alike(extension, robot, cutoff_hz, at_rest), PerLog()
 
     def ready(log: Log) -> Prepared:
         bare = kept.of(log, "prepared", lambda: prepare(robot, log, cutoff_hz, at_rest))
-        return extension.attach(bare) if extension else bare
+        return extension.attach(bare, attached) if extension else bare
 
     fitted = list(side_by_side(ready, fitted_logs))
     seen = scales(robot, fitted)
@@ -175,7 +175,7 @@ def _made(
     _refuse_impossible_gains(equations, solution)
     progress(0.75, Doing.ESTIMATING_UNCERTAINTY)
     bias = noise_bias(equations, fitted, at_rest, solution, kept)
-    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, seen, prior, solution, bias)
+    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, attached, seen, prior, solution, bias)
 
 
 def _model(
@@ -204,6 +204,7 @@ def _model(
         criteria=settings.criteria,
         prepared=made.kept,
         computed=made.kept.beside(),
+        attached=made.attached,
     )
 
 

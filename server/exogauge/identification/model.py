@@ -52,7 +52,7 @@ class RobotModel:
     order: name of a log -> its number in the order of the study, from 0.
     extension: effects that were added to a parent model, None for a first one.
     prepared: logs as they are without an extension; models that prepare them alike share it. computed: what
-    `axis_signals` and `sites` have computed with this model's numbers.
+    `axis_signals` and `sites` have computed with this model's numbers. attached: what the extension adds to each log.
     """
 
     equations: Equations
@@ -70,6 +70,7 @@ class RobotModel:
     criteria: Criteria = field(default_factory=Criteria)
     prepared: PerLog = field(default_factory=PerLog, repr=False, compare=False)
     computed: PerLog = field(default_factory=PerLog, repr=False, compare=False)
+    attached: PerLog = field(default_factory=PerLog, repr=False, compare=False)
     inputs: TypeB = field(default_factory=TypeB)
 
     @property
@@ -100,7 +101,7 @@ class RobotModel:
     def prepare(self, log: Log) -> Prepared:
         """A further log, filtered and differentiated as the identified ones were."""
         bare = self.prepare_bare(log)
-        return self.extension.attach(bare) if self.extension else bare
+        return self.extension.attach(bare, self.attached) if self.extension else bare
 
     def prepare_bare(self, log: Log) -> Prepared:
         """The same without what an extension adds."""
@@ -154,21 +155,29 @@ class Extension:
                 named = f"{each.effect.name}.{coefficient.name}"
                 yield AddedColumn(named, place, each.site.kinds(equations), replace(coefficient, unit=unit))
 
-    def attach(self, prepared: Prepared) -> Prepared:
-        """The same log with what the added effects do to its rows per unit of their coefficients, filtered as those."""
+    def attach(self, prepared: Prepared, kept: PerLog | None = None) -> Prepared:
+        """The same log with what the added effects do to its rows per unit of their coefficients, filtered as those.
+
+        kept: by whom prepares each log in one way only.
+        """
+        if kept is None:
+            filtered, raw = self._added_to(prepared)
+        else:
+            filtered, raw = kept.of(prepared.log, "attached", lambda: self._added_to(prepared))
+        added, raw_added = np.hstack([prepared.added, filtered]), np.hstack([prepared.raw_added, raw])
+        return replace(prepared, added=added, raw_added=raw_added)
+
+    def _added_to(self, prepared: Prepared) -> tuple[Array, Array]:
+        """(T, entries) each: filtered, and not."""
         seen: dict[Site, Seen] = {}
-        raw = list[Array]()
+        raw = [np.zeros((prepared.log.samples, 0))]
         for each in self.effects:
             if each.site not in seen:
                 seen[each.site] = each.site.see(self.parent, prepared)
             columns = seen[each.site].columns(each.effect, each.shape)
             raw.append(columns.reshape(prepared.log.samples, -1))
-        new = np.hstack(raw) if raw else np.zeros((prepared.log.samples, 0))
-        return replace(
-            prepared,
-            added=np.hstack([prepared.added, prepared.low_pass.apply(new)]),
-            raw_added=np.hstack([prepared.raw_added, prepared.log.as_stored(new)]),
-        )
+        new = np.hstack(raw)
+        return prepared.low_pass.apply(new), prepared.log.as_stored(new)
 
 
 class Effect(MissingEffect, Protocol):

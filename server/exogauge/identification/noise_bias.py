@@ -23,9 +23,9 @@ from exogauge.identification.per_log import PerLog
 from exogauge.identification.preparation import Prepared, needed_channels, prepare
 from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
-from exogauge.logs.around import around
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_before_stored, noise_of
+from exogauge.logs.segments import around
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 

@@ -14,13 +14,12 @@ from exogauge.errors import BadLog, Fault
 from exogauge.identification.added_columns import load_entries, zeros
 from exogauge.identification.smear import smeared
 from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
-from exogauge.logs.around import around
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_of
-from exogauge.logs.segments import widened
+from exogauge.logs.segments import around, widened
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
 from exogauge.robots.rows import RowType

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from exogauge.effects.places import BaseChange, BaseSignals, EncoderSignals, LinkSignals, PairSignals, SensorSignals
@@ -17,10 +16,11 @@ from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.thinned import thinned
+from exogauge.identification.thinned import at_all, thinned
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
+from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
 from exogauge.robots.rows import RowType
@@ -206,8 +206,8 @@ class EncoderSite:
         time, position = prepared.log.time - prepared.log.time[0], prepared.motion.q[:, self.joint]
         signals = EncoderSignals(time, position)
         own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
-
-        phi, slopes = model.bodies_in(prepared.log.recording), dict[float, Array]()
+        phi = self._beyond(model.equations, model.bodies_in(prepared.log.recording))
+        slopes = dict[float, Array]()
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             names, rows = [each.name for each in effect.coefficients], []
@@ -223,6 +223,12 @@ class EncoderSite:
 
         return Seen(signals, columns)
 
+    def _beyond(self, equations: Equations, phi: Array) -> Array:
+        """phi (B,) of the links that the joint turns: no row feels its angle but by what these weigh."""
+        tree = equations.robot.tree
+        turned = subtree(tree)[int(np.flatnonzero(tree.dof == self.joint)[0])]
+        return np.where(turned[equations.base.columns // 10], phi, 0.0)
+
     def _moved(self, model: RobotModel, phi: Array, prepared: Prepared, low: float, high: float, error: Array) -> Array:
         """(T, told rows) what an error of the angle takes off each per unit, from `low` to `high` times it: as large
         as it is held to be it is whole there, and no slope."""
@@ -234,8 +240,7 @@ class EncoderSite:
         def rows(step: float) -> Array:
             return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
 
-        moved = (rows(low) - rows(high)) / (high - low)
-        return moved if len(at) == samples else np.asarray(scipy.interpolate.CubicSpline(at, moved)(np.arange(samples)))
+        return at_all(samples, at, (rows(low) - rows(high)) / (high - low))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
@@ -409,4 +414,4 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
         found = -equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
-    return found if len(at) == samples else np.asarray(scipy.interpolate.CubicSpline(at, found)(np.arange(samples)))
+    return at_all(samples, at, found)

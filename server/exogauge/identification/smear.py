@@ -8,10 +8,9 @@ what the maker states of the bodies.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
-from exogauge.identification.thinned import thinned
+from exogauge.identification.thinned import at_all, thinned
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
@@ -45,12 +44,7 @@ def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
 def _asked(robot: Robot, phi: Array, motion: Motion, low_pass: LowPass) -> Array:
     """Computed at some of the samples, with a cubic spline between: a load moves little faster than the motion."""
     at = thinned(motion.samples, low_pass.rate_hz, low_pass.cutoff_hz)
-    some = _asked_at(robot, phi, motion.rows(at))
-    return (
-        some
-        if len(at) == motion.samples
-        else np.asarray(scipy.interpolate.CubicSpline(at, some)(np.arange(motion.samples)))
-    )
+    return at_all(motion.samples, at, _asked_at(robot, phi, motion.rows(at)))
 
 
 def _asked_at(robot: Robot, phi: Array, motion: Motion) -> Array:

@@ -51,8 +51,8 @@ def fill_static_friction(equations: Equations, statistics: Statistics, prior: Pr
                 x[column] = prior.seen_mean[column]
                 continue
             x[column] = max(x[column] + slope / curvature, 0.0)
-            variance = statistics.residual_square_sum(x) / np.maximum(statistics.count, 1)
-            std[f"tau_s[{joint.name}]"] = float(np.sqrt(variance[resting]))
-            if variance[resting] > criteria.scatter**2 * variance[moving]:
+            met, usual = (statistics.left(kind, x) / max(statistics.count[kind], 1) for kind in (resting, moving))
+            std[f"tau_s[{joint.name}]"] = float(np.sqrt(met))
+            if met > criteria.scatter**2 * usual:
                 doubtful.append(joint.name)
     return Sticking(x, std, tuple(doubtful))

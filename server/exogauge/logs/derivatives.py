@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,14 +67,17 @@ def _difference(values: Array, order: int) -> Array:
         return np.asarray(_weights(samples, order) @ values)
     weights, half = _weights(WIDTH, order), WIDTH // 2
     derivative = np.zeros(values.shape)
-    interior = derivative[half:-half]
-    for offset, weight in enumerate(weights[half]):
-        interior += weight * values[offset : samples - WIDTH + 1 + offset]
+    interior, at_once = derivative[half:-half], 256  # samples: what is worked on stays in the cache
+    for start in range(0, len(interior), at_once):
+        part = interior[start : start + at_once]
+        for offset, weight in enumerate(weights[half], start):
+            part += weight * values[offset : offset + len(part)]
     derivative[:half] = weights[:half] @ values[:WIDTH]
     derivative[-half:] = weights[-half:] @ values[-WIDTH:]
     return derivative
 
 
+@cache
 def _weights(points: int, order: int) -> Array:
     """(points, points): row i holds the weights of the order-th derivative at sample i, unit spacing.
 

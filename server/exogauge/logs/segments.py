@@ -172,3 +172,16 @@ def _follows(one: Log, other: Log) -> bool:
 
 def _joined(parts: Sequence[Log], name: str) -> Array:
     return np.concatenate([np.zeros(0), *(each.channels[name] for each in parts)])
+
+
+BoolArray = NDArray[np.bool_]
+
+
+def around(marked: BoolArray, reach: int) -> BoolArray:
+    """(T, K) whether any sample of the same column is marked no more than `reach` samples before or after."""
+    samples = len(marked)
+    count = np.zeros((samples + 1, *marked.shape[1:]), dtype=np.int32)
+    np.cumsum(marked, axis=0, out=count[1:])
+    at = np.arange(samples)
+    behind, first = np.minimum(at + reach + 1, samples), np.maximum(at - reach, 0)
+    return np.asarray(count[behind] > count[first])

@@ -45,6 +45,14 @@ def fill_loads(
     own, h, v, u, turned = (
         np.empty((6, TILE)), np.empty((3, TILE)), np.empty((3, TILE)), np.empty((3, TILE)), np.empty((3, TILE)),
     )  # fmt: skip
+    needed = np.zeros(n, dtype=np.bool_)  # how bodies move that bear nothing matters to what they carry only
+    for c in frame_body:
+        needed[max(c, 0)] = True
+    for back in range(n):
+        i = n - 1 - back
+        needed[i] |= np.any(live[:, i])
+        if needed[i] and parent[i] >= 0:
+            needed[parent[i]] = True
     for start in range(0, samples, TILE):
         m = min(TILE, samples - start)
         for k in range(5):
@@ -54,7 +62,9 @@ def fill_loads(
                     joint[k, j, t] = line[t]
         _base_state(n, base[:, start : start + m], R, p, w, dw, b, m)
         _rigid(n, w, dw, B, axes, m)
-        _sweep(parent, dof, prismatic, E_0, E_c, E_s, axis, before, offset, joint, axes, R, B, p, w, dw, b, S, m)
+        _sweep(
+            parent, needed, dof, prismatic, E_0, E_c, E_s, axis, before, offset, joint, axes, R, B, p, w, dw, b, S, m
+        )
         for which in range(phi.shape[0]):
             result = out[which]
             for i in range(n + 1):
@@ -77,7 +87,7 @@ def fill_loads(
                             for x in range(total.shape[1]):
                                 for t in range(m):
                                     result[first + x, start + t] += own[x, t]
-                if dof[i] < joints - 1:
+                if dof[i] < joints - 1:  # of a body that is not needed S, and its sum, are zero
                     line = result[6 + dof[i], start : start + m]
                     for t in range(m):
                         line[t] = 0.0

@@ -51,9 +51,10 @@ def zero_phase(sections: Array, steady: Array, values: Array, beyond: int, out: 
     buffer, step = np.empty((length + 2 * beyond, channels)), np.empty(channels)
     for k in range(channels):
         step[k] = (values[length - 1, k] - values[0, k]) / (length - 1)
-        for n in range(length - 1):
-            buffer[beyond + n, k] = values[n, k] - (n * step[k] + values[0, k])
         buffer[beyond + length - 1, k] = 0.0
+    for n in range(length - 1):
+        for k in range(channels):
+            buffer[beyond + n, k] = values[n, k] - (n * step[k] + values[0, k])
     for n in range(1, beyond + 1):
         for k in range(channels):
             buffer[beyond - n, k] = -buffer[beyond + n, k]

@@ -46,6 +46,7 @@ def fill_rows(
     )  # fmt: skip
     S, joint = np.zeros((n, 6, TILE)), np.empty((5, joints, TILE))
     mass, inertia = np.empty((6, mass_kind.shape[0], TILE)), np.empty((3, inertia_kind.shape[0], TILE))
+    every = np.ones(n, dtype=np.bool_)
     for start in range(0, samples, TILE):
         m = min(TILE, samples - start)
         for k in range(5):
@@ -55,7 +56,7 @@ def fill_rows(
                     joint[k, j, t] = line[t]
         _base_state(n, base[:, start : start + m], R, p, w, dw, b, m)
         _rigid(n, w, dw, B, axes, m)
-        _sweep(parent, dof, prismatic, E_0, E_c, E_s, axis, before, offset, joint, axes, R, B, p, w, dw, b, S, m)
+        _sweep(parent, every, dof, prismatic, E_0, E_c, E_s, axis, before, offset, joint, axes, R, B, p, w, dw, b, S, m)
         _mass_columns(mass_first, mass_kind, axes, R, B, p, b, mass, m)
         _inertia_columns(inertia_first, inertia_kind, axes, entries, R, w, dw, inertia, m)
         if floating:
@@ -108,15 +109,17 @@ def _rigid(i: int, w: Array, dw: Array, B: Array, axes: Ints, m: int) -> None:
 
 @fused()
 def _sweep(
-    parent: Ints, dof: Ints, prismatic: Bools, E_0: Array, E_c: Array, E_s: Array, axis: Array, before: Array,
-    offset: Array, joint: Array, axes: Ints,
+    parent: Ints, needed: Bools, dof: Ints, prismatic: Bools, E_0: Array, E_c: Array, E_s: Array,
+    axis: Array, before: Array, offset: Array, joint: Array, axes: Ints,
     R: Array, B: Array, p: Array, w: Array, dw: Array, b: Array, S: Array, m: int,
 ) -> None:  # fmt: skip
-    """`Kinematics.sweep`, body after body."""
+    """`Kinematics.sweep`, body after body, of those that are needed."""
     n = parent.shape[0]
     E, a, r = np.empty((9, TILE)), np.empty((3, TILE)), np.empty((3, TILE))
     step, s = np.empty((3, TILE)), np.empty((3, TILE))
     for i in range(n):
+        if not needed[i]:
+            continue
         u = parent[i] if parent[i] >= 0 else n
         j = dof[i]
         for k in range(E.shape[0]):

@@ -1,10 +1,13 @@
-"""What a stream says, as plain values: the same on a websocket and in a terminal."""
+"""What a stream says, as plain values: the same on a websocket and in a terminal; and how the
+service and the process of a stream pass it on: length, kind, content.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import struct
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,3 +66,32 @@ def error_message(error: ExogaugeError | Fault) -> dict[str, Any]:
     first: Mapping[str, Any] = asdict(faults[0]) if faults else {"detail": str(error), "rule": type(error).__name__}
     told = {key: value for key, value in first.items() if value not in (None, "")}
     return {"type": "error", **told, "faults": max(len(faults), 1)}
+
+
+HEAD = struct.Struct("<IB")
+CLIENT_TEXT, CLIENT_BYTES, CONTROL = range(3)
+"""Kinds: to or from the client; between service and process."""
+
+
+def framed(kind: int, content: bytes) -> bytes:
+    return HEAD.pack(len(content), kind) + content
+
+
+@final
+class Frames:
+    """Whole frames of bytes as they come."""
+
+    def __init__(self) -> None:
+        self._left = bytearray()
+
+    def of(self, data: bytes) -> Iterator[tuple[int, bytes]]:
+        self._left += data
+        at = 0
+        while len(self._left) - at >= HEAD.size:
+            length, kind = HEAD.unpack_from(self._left, at)
+            if len(self._left) - at - HEAD.size < length:
+                break
+            at += HEAD.size
+            yield kind, bytes(self._left[at : at + length])
+            at += length
+        del self._left[:at]

@@ -27,10 +27,9 @@ from numpy.typing import NDArray
 from exogauge.errors import BadStudy, ExogaugeError, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.live import Start
-from exogauge.payload.live_frames import CLIENT_BYTES, CLIENT_TEXT, CONTROL, Frames, framed
 from exogauge.payload.live_input import Arrivals, Columns
 from exogauge.payload.live_lines import Stream
-from exogauge.payload.live_messages import error_message
+from exogauge.payload.live_messages import CLIENT_BYTES, CLIENT_TEXT, CONTROL, Frames, error_message, framed
 from exogauge.payload.live_record import Record, write_log
 from exogauge.payload.live_start import open_start
 

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
-from exogauge.payload.clock_offset import clock_offset
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import (
     DynamicSolution,
@@ -28,8 +27,8 @@ from exogauge.payload.dynamics import (
 )
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import saturated
-from exogauge.payload.other_units import by_own_noise, explained, moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
+from exogauge.payload.slips import by_own_noise, clock_offset, explained, moments_over_forces, units_for
 from exogauge.payload.statics import (
     Holds,
     LeftOut,

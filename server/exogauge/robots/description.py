@@ -1,4 +1,6 @@
-"""A robot as its maker describes it: links, joints, sensors, and what is believed of each before any data."""
+"""A robot as its maker describes it: links, joints, sensors, and what is believed of each before any data;
+loads that are weighed, and what logs cannot show of themselves: standard uncertainties of type B (GUM 4.3).
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.robots.declared import EXACT, Declared
-from exogauge.robots.known_load import KnownLoad
+from exogauge.robots.parameters import inertia_by_first_moment
 from exogauge.robots.rows import RowLayout
 from exogauge.robots.tree import RigidTree
 
@@ -54,6 +55,33 @@ class WrenchSensor:
     frame: str
     role: Literal["contact", "cut"]
     sign: float
+
+
+@final
+@dataclass(frozen=True)
+class Declared:
+    """Standard uncertainties, one standard deviation each; 0: known, or left out of the budget.
+
+    ft_gain: share by which one force/torque sensor reads too much, each for itself; ft_gain_common: all of them alike,
+    as after one calibration. ft_zero_force [N], ft_zero_moment [N·m]: zero of one component, another in each log.
+    kt_drift: share by which a motor gives more than k_T i, another in each log and joint. imu_tilt [rad]: of the IMU's
+    mounting, about each axis across. torque_zero [N·m, N where it slides]: a constant of a joint's torque, another in
+    each log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint -> what is stated of it alone.
+    defaulted: names of those that nobody stated.
+    """
+
+    ft_gain: float = 0.0
+    ft_gain_common: float = 0.0
+    ft_zero_force: float = 0.0
+    ft_zero_moment: float = 0.0
+    kt_drift: float = 0.0
+    imu_tilt: float = 0.0
+    torque_zero: float = 0.0
+    torque_zero_of: Mapping[str, float] = field(default_factory=dict)
+    defaulted: frozenset[str] = frozenset()
+
+
+EXACT = Declared()
 
 
 @final
@@ -118,3 +146,53 @@ class Robot:
                 phi = phi.copy()
                 phi[load.body] += load.phi
         return phi
+
+
+GYRATION_M = 0.1  # radius of gyration that hardly any load on an arm exceeds: a disc of 28 cm has it
+
+
+@final
+@dataclass(frozen=True)
+class KnownLoad:
+    """name: its link, with a number where that carries several. body: of the tree, what the link is a part of.
+
+    mass, std: [kg]. centre: (3,) [m] of mass, in the body's frame; std_centre: [m], alike in all directions.
+    logs: names of the recordings that carry it.
+    """
+
+    name: str
+    body: int
+    mass: float
+    std: float
+    centre: tuple[float, float, float]
+    std_centre: float
+    logs: tuple[str, ...]
+
+    @property
+    def columns(self) -> Array:
+        """(10, 10) inertial parameters of the body (as `RigidTree.phi`) per coefficient.
+
+        A mass at the stated centre; a first moment beside it, which takes its inertia along; inertia about the centre.
+        """
+        c, apart = np.array(self.centre), inertia_by_first_moment(np.array(self.centre))
+        columns = np.eye(10)
+        columns[1:4, 0], columns[4:, 0] = c, 0.5 * apart @ c
+        columns[4:, 1:4] = apart
+        return columns
+
+    @property
+    def mean(self) -> Array:
+        """(10,) of the coefficients."""
+        return np.array([self.mass, *np.zeros(9)])
+
+    @property
+    def doubt(self) -> Array:
+        """(10,) standard deviations of the coefficients. Inertia was not stated: how wide the load is, and the square
+        of how far its centre may be off; half of that off the diagonal."""
+        inertia = self.mass * (GYRATION_M**2 + self.std_centre**2)
+        return np.array([self.std, *[self.mass * self.std_centre] * 3, *inertia * np.array([1, 0.5, 1, 0.5, 0.5, 1])])
+
+    @property
+    def phi(self) -> Array:
+        """(10,) as stated, of the body it is fixed to."""
+        return np.asarray(self.columns @ self.mean)

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, Sweep, subtree
+from exogauge.robots.kinematics import Kinematics, Sweep, cross, subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import wrench_columns
 
@@ -131,13 +131,6 @@ def force_cross(V: Array, F: Array) -> Array:
     """(..., 6) V ×* F."""
     v, w, f, m = V[..., :3], V[..., 3:], F[..., :3], F[..., 3:]
     return np.concatenate([cross(w, f), cross(w, m) + cross(v, f)], axis=-1)
-
-
-def cross(a: Array, b: Array) -> Array:
-    """(..., 3) as NumPy's, which takes several times as long for what it may be given else."""
-    x, y, z = (a[..., k] for k in range(3))
-    u, v, w = (b[..., k] for k in range(3))
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.kinematics import Kinematics, cross, subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import inertia_matrices
 from exogauge.robots.tree import RigidTree
@@ -35,13 +35,13 @@ def inertia_and_gravity_slope(
     for axis, turn in enumerate(np.linalg.inv(axes_from_joints).T):
         moved = [(body[int(joint)], float(turn[joint])) for joint in np.flatnonzero(turn)]
         for j, weight in moved:
-            linear = m[j] * v[j] + _cross(w[j], h[j])
-            angular = _cross(h[j], v[j]) + np.einsum("xyt,yt->xt", inertia[j], w[j])
+            linear = m[j] * v[j] + cross(w[j], h[j], axis=0)
+            angular = cross(h[j], v[j], axis=0) + np.einsum("xyt,yt->xt", inertia[j], w[j])
             for i, other in moved:
                 if above[i, j]:
                     share = weight * other * (1.0 if i == j else 2.0)
                     J[:, axis] += share * (np.sum(v[i] * linear, axis=0) + np.sum(w[i] * angular, axis=0))
-                    K[:, axis] += share * np.sum(acc * _cross(w[i], linear), axis=0)
+                    K[:, axis] += share * np.sum(acc * cross(w[i], linear, axis=0), axis=0)
     return J, K
 
 
@@ -63,8 +63,3 @@ def _carried(tree: RigidTree, phi: Array, R: Array, p: Array) -> tuple[Array, Ar
             h[up] += h[k]
             inertia[up] += inertia[k]
     return m, h, inertia
-
-
-def _cross(u: Array, v: Array) -> Array:
-    """(3, T)"""
-    return np.stack([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])

@@ -1,4 +1,7 @@
-"""Accounts, their sessions and their labs: what no lab owns. Used in a session of all labs (`Installation.session`)."""
+"""Accounts, their sessions and their labs: what no lab owns. Used in a session of all labs (`Installation.session`).
+
+A login at an OpenID provider reaches an account: an issuer, and whom it means.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,17 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict, NotFound
-from exogauge.storage.account_tables import Account, Invitation, LabRow, Membership, SessionRow, SignInTries
+from exogauge.storage.account_tables import (
+    Account,
+    IdentityRow,
+    Invitation,
+    LabRow,
+    Membership,
+    SessionRow,
+    SignInTries,
+)
 from exogauge.storage.callers import IDLE, RANK, SESSION, is_open
-from exogauge.storage.records import AccountRecord, InvitationRecord, LabRecord
+from exogauge.storage.records import AccountRecord, IdentityRecord, InvitationRecord, LabRecord
 from exogauge.storage.rows import as_record, record
 from exogauge.storage.secrets import hashed, new_key
 from exogauge.storage.tables import utc_now
@@ -195,3 +206,34 @@ class Accounts:
         if row is None:
             raise NotFound(f"there is no account {said[:254]!a}")
         return as_record(AccountRecord, row)
+
+
+@final
+@dataclass(frozen=True)
+class Identities:
+    session: Session
+
+    def account(self, issuer: str, subject: str) -> str | None:
+        """Whose it is."""
+        mine = IdentityRow.issuer == issuer, IdentityRow.subject == subject
+        return self.session.scalar(sa.select(IdentityRow.account_id).where(*mine))
+
+    def of(self, account_id: str) -> list[IdentityRecord]:
+        """Oldest first."""
+        query = sa.select(IdentityRow).where(IdentityRow.account_id == account_id)
+        rows = self.session.scalars(query.order_by(IdentityRow.created_at, IdentityRow.id))
+        return [as_record(IdentityRecord, row) for row in rows]
+
+    def link(self, account_id: str, issuer: str, subject: str) -> None:
+        """Conflict where it is another account's."""
+        try:
+            with self.session.begin_nested():
+                self.session.add(IdentityRow(account_id=account_id, issuer=issuer, subject=subject))
+        except IntegrityError:
+            raise Conflict("this login is linked with an account already") from None
+
+    def unlink(self, account_id: str, key: str) -> None:
+        mine = IdentityRow.account_id == account_id, IdentityRow.id == key
+        done = self.session.execute(sa.delete(IdentityRow).where(*mine))
+        if not getattr(done, "rowcount", 0):
+            raise NotFound(f"there is no login {key!a}")

@@ -15,7 +15,35 @@ from typing import IO, BinaryIO, Protocol, final
 
 from exogauge.errors import DiskFull, Fault, NotFound, TooLarge, Unavailable, no_room
 from exogauge.storage.held_files import hold, left_over, remove
-from exogauge.storage.pieces import Pieces
+
+
+@final
+class InUse(Exception):
+    """Another request writes to the file, at this server or another."""
+
+
+class Pieces(Protocol):
+    """Of all uploads."""
+
+    def of(self, key: str) -> list[tuple[int, int]]:
+        """Begin and size of each, from the file's begin on, without a gap."""
+        ...
+
+    def end(self, key: str) -> int:
+        """Bytes that have arrived."""
+        ...
+
+    def send(self, key: str, file: BinaryIO, begin: int) -> None:
+        """All of the file from there on. InUse where another was quicker."""
+        ...
+
+    def read(self, key: str, begin: int) -> bytes: ...
+    def drop(self, key: str) -> None: ...
+
+    def keys(self) -> list[str]:
+        """Of uploads of which anything is there."""
+        ...
+
 
 CHUNK = 1024 * 1024
 SHA256_HEX = re.compile(r"[0-9a-f]{64}")

@@ -1,11 +1,16 @@
 """Bundles: files that were handed in together, pinned by their content and never changed after.
 
 Robots, devices, studies, payloads, motions and plans are bundles; a `Sort` says in what they differ.
+
+Words by which they are found are folded here, once when a thing is added and once when they are asked for: neither
+database folds the case of every script alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -30,7 +35,7 @@ from exogauge.storage.records import (
     StudyRecord,
 )
 from exogauge.storage.rows import Lab
-from exogauge.storage.search import found_by, words_of
+from exogauge.storage.tables import Named
 
 Record = TypeVar("Record", bound=BundleRecord)
 Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
@@ -291,3 +296,34 @@ PLANS = Sort(
     needed_by=lambda lab, plan_id: _jobs_of(lab, tables.Job.plan_id == plan_id),
     beside=(ROBOTS, MOTIONS, STUDIES),
 )
+
+
+KEY = re.compile(r"[0-9a-f-]{6,64}")  # shorter ones would be found in hashes by chance
+
+
+def folded(text: str) -> str:
+    """Without case and without the width of letters: STRASSE is straße, Ｓｕｉｔ is suit."""
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", text).casefold())
+
+
+def words_of(name: str, summary: Mapping[str, Any]) -> str:
+    """What a thing is found by: its name, its robot's and its devices' names."""
+    return "\n".join(dict.fromkeys(folded(each) for each in (name, *names_in(summary))))
+
+
+def names_in(summary: Mapping[str, Any]) -> Iterator[str]:
+    robot = summary.get("robot")
+    named = (summary, robot if isinstance(robot, Mapping) else {"name": robot}, *summary.get("devices", ()))
+    yield from (each["name"] for each in named if isinstance(each.get("name"), str))
+
+
+def found_by(table: type[Named], search: str) -> sa.ColumnElement[bool]:
+    """Every word of `search` stands in the thing's words, or begins its id or content hash."""
+    return sa.and_(sa.true(), *(holds(table, word) for word in folded(search).split()))
+
+
+def holds(table: type[Named], word: str) -> sa.ColumnElement[bool]:
+    in_words = table.words.contains(word, autoescape=True)
+    if KEY.fullmatch(word) is None:
+        return in_words
+    return sa.or_(in_words, table.id.startswith(word), table.content_hash.startswith(word))

@@ -3,6 +3,9 @@
 An object is put whole or not at all, under the hash of its bytes, so that putting it twice changes nothing. What is
 read is fetched once onto the shelf, and compared with its hash there. Parts of an upload that was killed are not
 listed by the store: a lifecycle rule of the bucket removes them.
+
+What has arrived of an upload, where several servers see it, is an object per piece, named by where it begins: there
+whole or not at all and never replaced, so that of two who send the same place one is told so.
 """
 
 from __future__ import annotations
@@ -25,12 +28,16 @@ from exogauge.errors import NotFound, Unavailable
 from exogauge.settings import Settings
 from exogauge.storage.blobs import CHUNK, SHA256_HEX, copy_hashed, disk, refuse_full
 from exogauge.storage.held_files import OwnFolder
-from exogauge.storage.reaching import reached
-from exogauge.storage.shared_pieces import SharedPieces
 from exogauge.storage.shelf import Shelf
 
 if TYPE_CHECKING:
     from obstore.store import S3Config
+from contextlib import contextmanager
+
+from obstore.exceptions import BaseError
+
+from exogauge.errors import Away
+from exogauge.storage.blobs import InUse
 
 PART = 8 << 20  # bytes of one part of an upload; what is smaller is put at once, unless it is there
 PARTS_AT_ONCE = 4  # judgement: with PART, 32 MB of memory for one upload
@@ -211,3 +218,77 @@ def key_of(sha256: str) -> str:
     if not SHA256_HEX.fullmatch(sha256):
         raise NotFound("not the name of a blob")
     return f"{sha256[:2]}/{sha256[2:]}"
+
+
+FOLDER = "uploads"
+LARGEST = 32 << 20  # judgement: bytes of one object, which is sent from memory
+
+
+@final
+class SharedPieces:
+    """Of all uploads in an object store."""
+
+    def __init__(self, store: S3Store) -> None:
+        self._store = store
+
+    def of(self, key: str) -> list[tuple[int, int]]:
+        """Begin and size of each, from the file's begin on, without a gap."""
+        with reached("read the upload"):
+            listed = [each for some in obstore.list(self._store, f"{FOLDER}/{key}") for each in some]
+        found, end = list[tuple[int, int]](), 0
+        for begin, size in sorted((int(each["path"].rpartition("/")[2]), each["size"]) for each in listed):
+            if begin == end:
+                found.append((begin, size))
+                end += size
+        return found
+
+    def end(self, key: str) -> int:
+        """Bytes that have arrived."""
+        return sum(size for _, size in self.of(key))
+
+    def send(self, key: str, file: BinaryIO, begin: int) -> None:
+        """All of the file from there on. InUse where another was quicker."""
+        file.seek(begin)
+        while data := file.read(LARGEST):
+            try:
+                with reached("store the upload"):
+                    obstore.put(self._store, name_of(key, begin), data, mode="create")
+            except AlreadyExistsError as error:
+                raise InUse(key) from error
+            begin += len(data)
+
+    def read(self, key: str, begin: int) -> bytes:
+        with reached("read the upload"):
+            return bytes(obstore.get(self._store, name_of(key, begin)).bytes())
+
+    def drop(self, key: str) -> None:
+        with reached("remove the upload"):
+            listed = [each["path"] for some in obstore.list(self._store, f"{FOLDER}/{key}") for each in some]
+            for path in listed:
+                with suppress(FileNotFoundError):
+                    obstore.delete(self._store, path)
+
+    def keys(self) -> list[str]:
+        """Of uploads of which anything is there."""
+        with reached("list the uploads"):
+            found = obstore.list_with_delimiter(self._store, FOLDER)["common_prefixes"]
+        return [path.rpartition("/")[2] for path in found]
+
+
+def name_of(key: str, begin: int) -> str:
+    return f"{FOLDER}/{key}/{begin:015d}"
+
+
+@contextmanager
+def reached(what: str, sha256: str | None = None) -> Iterator[None]:
+    """A store that cannot be reached, or refuses, is `Away`. sha256: of what it may lack, which is NotFound."""
+    try:
+        yield
+    except AlreadyExistsError:
+        raise
+    except (BaseError, OSError) as error:
+        if isinstance(error, FileNotFoundError) and sha256 is not None:
+            raise NotFound(f"no blob {sha256}") from error
+        lacks = isinstance(error, FileNotFoundError) or "NoSuchBucket" in str(error)
+        why = "has no such bucket" if lacks else "does not answer, or refuses"
+        raise Away(f"cannot {what} now: the object store {why}") from error

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import BinaryIO, final
 
 from exogauge.errors import NotFound
-from exogauge.storage.blobs import chunks, disk, fsync_folder
+from exogauge.storage.blobs import InUse, Pieces, chunks, disk, fsync_folder
 from exogauge.storage.held_files import hold, left_over
-from exogauge.storage.pieces import InUse, Pieces
 
 CHECKED = ".checking"  # beside a file: a piece whose checksum is not known yet
 

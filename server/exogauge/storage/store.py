@@ -32,12 +32,11 @@ from exogauge.storage.jobs import Jobs, Results
 from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
-from exogauge.storage.mappings import Mappings
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
 from exogauge.storage.publications import Publications
 from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
-from exogauge.storage.remembered import contacts_of, maps_of
+from exogauge.storage.remembered import Mappings, contacts_of, maps_of
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import AllLabsSession, LabSession
 from exogauge.storage.shares import Shares

@@ -7,8 +7,19 @@ from __future__ import annotations
 
 from exogauge.storage import account_tables as account_tables
 from exogauge.storage.job_tables import LIVE_STATES, ONE_OWNER, OWNERS, STATES, Artifact, Job, Result, owner_of
-from exogauge.storage.outward_tables import DELIVERY_STATES, Delivery, Publication, PublicationFile, Webhook
-from exogauge.storage.service_tables import AuditEntry, Chore, IdempotencyKey, Orphan, Upload, WorkerLease
+from exogauge.storage.service_tables import (
+    DELIVERY_STATES,
+    AuditEntry,
+    Chore,
+    Delivery,
+    IdempotencyKey,
+    Orphan,
+    Publication,
+    PublicationFile,
+    Upload,
+    Webhook,
+    WorkerLease,
+)
 from exogauge.storage.table_kinds import (
     NAME,
     PATH,

@@ -47,12 +47,17 @@ from exogauge.studies.results.discrepancy_results import (
     planned_files,
 )
 from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
-from exogauge.studies.results.examine_logs import examine_logs, without_other_clocks
+from exogauge.studies.results.examine_logs import (
+    examine_logs,
+    refuse_what_made_it_worse,
+    suspects,
+    told_of_errors,
+    without_other_clocks,
+)
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
-from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects, told_of_errors
 from exogauge.studies.series.write import Moved, write_series
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.progress_words import phrase

@@ -1,4 +1,6 @@
-"""The laboratory of one study: every disturbance drawn once, from the seed, by a stream of its own."""
+"""The laboratory of one study: every disturbance drawn once, from the seed, by a stream of its own;
+and when each log of the session began, and how warm the drives were.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,8 @@ from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.random_streams import stream
 from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
 from exogauge.synthetic.sensors import ENCODER_STEP, Sensing
-from exogauge.synthetic.session import Session, session
 from exogauge.synthetic.simulation import DriveState
-from exogauge.synthetic.suit import Suit
-from exogauge.synthetic.suit_facts import BANDS, ViaPoint
+from exogauge.synthetic.suit import BANDS, Suit, ViaPoint
 from exogauge.synthetic.variation import Variation
 
 Array = NDArray[np.float64]
@@ -192,3 +192,41 @@ def _moved(point: ViaPoint, by: Array, whole_mm: bool = False) -> ViaPoint:
 
 def _points(points: Sequence[ViaPoint]) -> list[dict[str, Any]]:
     return [{"link": point.link, "xyz": list(point.xyz)} for point in points]
+
+
+PAUSE_S = 45.0  # from one log to the next
+DONNING_S = 120.0  # the same, where the suit is put on for it
+WARM_UP_S = 1200.0  # time constant of a drive's windings and grease
+
+
+@final
+@dataclass(frozen=True)
+class Session:
+    """start_s: when each log began, by its name. end_s: of the last. reference: warmth in the identification logs."""
+
+    start_s: Mapping[str, float]
+    end_s: float
+    reference: float
+
+    def warmth(self, time_s: Array | float) -> Array:
+        """0 when the session begins, 1 when it ends; first order. time_s: from its beginning."""
+        return np.asarray(np.expm1(-np.asarray(time_s) / WARM_UP_S) / np.expm1(-self.end_s / WARM_UP_S))
+
+    def warmer(self, time_s: Array | float) -> Array:
+        """Warmth above that of the identification logs: parameters are what they were there, on the average."""
+        return self.warmth(time_s) - self.reference
+
+
+def session(plans: Sequence[LogPlan]) -> Session:
+    """Logs in the order in which they are listed."""
+    start_s, now = {}, 0.0
+    for plan in plans:
+        now += DONNING_S if plan.suit else PAUSE_S
+        start_s[plan.name] = now
+        now += plan.duration_s
+    cold = Session(start_s, max(now, 1.0), 0.0)
+    fitted = [plan for plan in plans if plan.role == "identification"]
+    middles = np.array([start_s[plan.name] + plan.duration_s / 2 for plan in fitted])
+    weights = np.array([plan.duration_s for plan in fitted])
+    reference = float(np.average(cold.warmth(middles), weights=weights)) if fitted else 0.0
+    return Session(start_s, cold.end_s, reference)

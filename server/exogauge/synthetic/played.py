@@ -16,9 +16,17 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from exogauge.errors import BadMotion, Fault
-from exogauge.synthetic.legs import LEG_JOINTS, STANCE_HALF_WIDTH, leg_angles
 from exogauge.synthetic.mjcf import mujoco_model
-from exogauge.synthetic.motion import KNOT_RATE_HZ, Plan, arriving, differing, with_lead
+from exogauge.synthetic.motion import (
+    KNOT_RATE_HZ,
+    LEG_JOINTS,
+    STANCE_HALF_WIDTH,
+    Plan,
+    arriving,
+    differing,
+    leg_angles,
+    with_lead,
+)
 from exogauge.synthetic.robot_facts import ANKLE_HEIGHT, FEET, HOME, JOINT_NAMES, JOINTS
 from exogauge.synthetic.true_robot import a_priori_robot
 from exogauge.synthetic.variation import Variation

@@ -14,8 +14,8 @@ from exogauge.devices.result import StiffnessResult
 from exogauge.identification.result import Identification
 from exogauge.remarks import About, Remark
 from exogauge.studies.intake.open import open_study
+from exogauge.studies.report.figures import draw_support, outline, runs
 from exogauge.studies.report.stiffness_section import device_views, stiffness_sentence
-from exogauge.studies.report.support_figures import draw_support, outline, runs
 from exogauge.studies.report.support_section import motion_views, strongest, support_sentence
 from exogauge.studies.report.write import render_report
 from exogauge.studies.results.document import Evaluation

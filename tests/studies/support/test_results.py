@@ -15,7 +15,7 @@ import pytest
 
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.identification.result import Identification
-from exogauge.robots.declared import Declared
+from exogauge.robots.description import Declared
 from exogauge.studies.evaluate import write
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.results.document import Evaluation, finite, to_json

@@ -1,4 +1,7 @@
-"""One case: a robot, its motions, what is hidden in it, its study folder, and its answer."""
+"""One case: a robot, its motions, what is hidden in it, its study folder, and its answer.
+
+Logs are as the robot would have stored them: the contract's columns, every sensor with its own error.
+"""
 
 from __future__ import annotations
 
@@ -8,25 +11,27 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
 from numpy.typing import NDArray
 
 from exogauge.blind.generator import sensors
 from exogauge.blind.generator.axis_run import AxisRun, axis_runs
+from exogauge.blind.generator.cut import AXES
 from exogauge.blind.generator.dynamics import carrier
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
 from exogauge.blind.generator.hidden.outside import EncoderEccentricity
-from exogauge.blind.generator.log_columns import joint_columns, sensor_columns, table
 from exogauge.blind.generator.motion import DURATION_S, Motion, excitations
 from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
 from exogauge.blind.generator.plan import CasePlan, plan_case
 from exogauge.blind.generator.robot_files import Built, built, robot_file, robot_urdf
+from exogauge.blind.generator.robot_kind import WristOrBase
 from exogauge.blind.generator.scene import Scene, scene
 from exogauge.blind.generator.true_robot import K_T_STD, draw_robot, record
 from exogauge.blind.generator.wear import draw_wear
 from exogauge.synthetic.random_streams import stream
-from exogauge.synthetic.robot_facts import Link
+from exogauge.synthetic.robot_facts import Joint, Link
 
 Array = NDArray[np.float64]
 
@@ -147,3 +152,42 @@ def _write_yaml(path: Path, content: object) -> None:
     head = "# SYNTHETIC: written by `exogauge blind make`, measured on no robot\n"
     text = yaml.safe_dump(content, sort_keys=False, width=120, default_flow_style=None)
     path.write_text(head + text, encoding="utf-8")
+
+
+def joint_columns(
+    rng: np.random.Generator,
+    plan: CasePlan,
+    joints: Sequence[Joint],
+    motion: Motion,
+    runs: Sequence[AxisRun],
+    torques: Sequence[Array],
+    log: int,
+) -> dict[str, Array]:
+    """Angles, currents or torques, temperatures. torques: (L, T) each, k_T i."""
+    q = {f"q.{j.name}": sensors.encoder(rng, motion.q[log, :, n], j.drive.gear_ratio) for n, j in enumerate(joints)}
+    logged: dict[str, Array] = {}
+    for joint, run, torque in zip(joints, runs, torques, strict=True):
+        current = sensors.current(rng, torque[log] / run.drive.k_T)
+        if plan.actuation == "current":
+            logged[f"i.{joint.name}"] = current
+        else:  # a drive that knows its own constant
+            logged[f"tau.{joint.name}"] = current * run.drive.k_T
+    if plan.temperature:
+        for joint, run in zip(joints, runs, strict=True):
+            logged[f"temp.{joint.name}"] = sensors.thermometer(rng, run.temperature[log])
+    return {**q, **logged}
+
+
+def sensor_columns(
+    rng: np.random.Generator, sensor: WristOrBase, wrench: Array, zero: Array, log: int
+) -> dict[str, Array]:
+    """Force, then moment, with the sensor's zero error (6,); wrench: (L, T, 6)."""
+    felt, std = wrench[log] + zero, np.repeat([sensor.force, sensor.moment], 3)
+    return {f"ft.{sensor.name}.{axis}": sensors.noisy(rng, felt[:, n], float(std[n])) for n, axis in enumerate(AXES)}
+
+
+def table(time: Array, columns: Mapping[str, Array]) -> pa.Table:
+    """Angles in double precision, what carries more noise in single."""
+    exact = {name: pa.array(values) for name, values in columns.items() if name.startswith("q.")}
+    rest = {name: pa.array(v.astype(np.float32)) for name, v in columns.items() if not name.startswith("q.")}
+    return pa.table({"t": pa.array(time), **exact, **rest})

@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from exogauge.payload.exports.body import Body
-from exogauge.payload.exports.said import fixed, said
+from exogauge.payload.exports.body import Body, fixed, said
 
 
 def write(body: Body, number: int = 1) -> str:

@@ -6,8 +6,7 @@ M(1,3), M(2,3) about `pos`, axes of the body.
 
 from __future__ import annotations
 
-from exogauge.payload.exports.body import Body
-from exogauge.payload.exports.said import numbers, said
+from exogauge.payload.exports.body import Body, numbers, said
 
 
 def write(body: Body) -> str:

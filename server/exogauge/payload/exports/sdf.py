@@ -5,8 +5,7 @@ Definition: sdformat.org/spec, link/inertial. Inertia about the centre of mass, 
 
 from __future__ import annotations
 
-from exogauge.payload.exports.body import Body
-from exogauge.payload.exports.said import numbers, said
+from exogauge.payload.exports.body import Body, numbers, said
 
 
 def write(body: Body) -> str:

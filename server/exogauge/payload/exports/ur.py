@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from exogauge.errors import BadInput, Fault
-from exogauge.payload.exports.body import Body
-from exogauge.payload.exports.said import fixed, said
+from exogauge.payload.exports.body import Body, fixed, said
 
 MOST = 133.0  # kg·m² of each component, by the same page
 PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))

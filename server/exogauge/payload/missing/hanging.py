@@ -16,6 +16,7 @@ from exogauge.criteria.judging import CARRYING as USUAL
 from exogauge.criteria.judging import Carrying
 from exogauge.payload.missing.effect import Effect, Frame
 from exogauge.payload.missing.stretch import Stretch
+from exogauge.robots.kinematics import cross
 
 Array = NDArray[np.float64]
 
@@ -64,10 +65,10 @@ def hung(stretch: Stretch, p: Array, shape: Sequence[float], axes: str) -> Array
     s = _sag(b, stretch, shape, free)
     felt = b + (turning @ s[:, :, None])[:, :, 0]
     if not stretch.still:
-        felt += 2.0 * _cross(omega, np.gradient(s, stretch.time, axis=0))
+        felt += 2.0 * cross(omega, np.gradient(s, stretch.time, axis=0))
     s = _sag(felt, stretch, shape, free)
     f = np.where(free, _passed(felt, stretch, shape), felt)
-    return np.hstack([f - b, _cross(p + s, f) - _cross(p, b)])
+    return np.hstack([f - b, cross(p + s, f) - cross(p, b)])
 
 
 def _sag(b: Array, stretch: Stretch, shape: Sequence[float], free: NDArray[np.bool_]) -> Array:
@@ -92,9 +93,3 @@ def _filtered(values: Array, stretch: Stretch, shape: Sequence[float], over: tup
     d = np.array([b * k + c, 2.0 * c, c - b * k]) / scale
     rest = np.array([d[1] - a[1] + d[2] - a[2], d[2] - a[2]])  # it passes what is constant
     return np.asarray(lfilter(d, a, values, axis=0, zi=rest[:, None] * values[0])[0])
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """(T, 3) a x b, of (T, 3) or (3,)."""
-    (x, y, z), (u, v, w) = a.T, b.T
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

@@ -21,8 +21,7 @@ from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.device_file import DevicePage
-from exogauge.studies.intake.postures import drawn_postures
+from exogauge.studies.intake.device_file import DevicePage, drawn_postures
 from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, suggestion
 from exogauge.studies.words.pull_words import Ways
 

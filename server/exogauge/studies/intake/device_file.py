@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from typing import Any, TypeVar, final
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from exogauge.criteria.identifying import DECLARED
@@ -22,7 +23,6 @@ from exogauge.robots.tree import RigidTree
 from exogauge.studies.intake import contract
 from exogauge.studies.intake.bench_table import read_bench
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.postures import drawn_postures
 from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, place, read_yaml, suggestion
 
 Part = TypeVar("Part", bound=BaseModel)
@@ -261,3 +261,18 @@ def _benches(drafts: Sequence[_Draft], bundle: Bundle, page: DevicePage) -> tupl
             refused.add(bench.file)
             faults += bad.faults
     return benches, faults
+
+
+Array = NDArray[np.float64]
+
+DRAWN = 400
+WIDEST_TURN, WIDEST_SLIDE = np.pi, 0.5  # [rad], [m] to either side where a joint has no limits
+
+
+def drawn_postures(tree: RigidTree, count: int = DRAWN) -> Array:
+    """(1 + count, J) [rad or m]: all joints at zero, then drawn evenly within their limits, always the same ones."""
+    widest = np.array([WIDEST_SLIDE if joint in tree.sliding else WIDEST_TURN for joint in tree.joints])
+    lower = np.where(np.isfinite(tree.lower), tree.lower, -widest)
+    upper = np.where(np.isfinite(tree.upper), tree.upper, widest)
+    drawn = np.random.default_rng(0).uniform(lower, upper, size=(count, len(tree.joints)))
+    return np.vstack([np.zeros(len(tree.joints)), drawn])

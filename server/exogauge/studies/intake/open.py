@@ -1,4 +1,6 @@
-"""From a folder, a zip or a study.yaml to a robot, settings and recordings that fit together."""
+"""From a folder, a zip or a study.yaml to a robot, settings and recordings that fit together; and
+when the logs were recorded: whether that tells what drifts meanwhile from the device.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,13 @@ from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.robots.urdf_check import raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.intake.read_log import read_entries
 from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
-from exogauge.studies.intake.session import read_session
 from exogauge.studies.intake.worn_devices import read_devices, read_known_loads
 from exogauge.studies.intake.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
 from exogauge.studies.words.notices import Notice, notice
@@ -301,3 +303,34 @@ def missing_columns(log: Log, robot: Robot, file: str) -> list[Fault]:
         for name in needed
         if name not in log.channels
     ]
+
+
+@final
+@dataclass(frozen=True)
+class Session:
+    """started: log -> [s] on one clock; empty where that is not said of every log. remarks: what is missing of it."""
+
+    started: Mapping[str, float]
+    remarks: tuple[Remark, ...] = ()
+
+
+def read_session(file: StudyFile, names: Sequence[str], robot: Robot) -> Session:
+    """Asks for nothing where no drift of motors is declared, or where no motion was recorded with and without."""
+    entries = dict(zip(names, file.logs, strict=True))
+    untold = tuple(name for name, entry in entries.items() if entry.started is None)
+    started = {} if untold else {name: entry.started or 0.0 for name, entry in entries.items()}
+    plain, worn = (
+        {name: entry.motion for name, entry in entries.items() if entry.role in roles and entry.motion is not None}
+        for roles in (("without_device", "validation"), ("with_device",))
+    )
+    both = [motion for motion in dict.fromkeys(worn.values()) if motion in plain.values()]
+    if not both or robot.declared.kt_drift <= 0.0 or all(each.actuation != "current" for each in robot.joints):
+        return Session(started)
+    if untold:
+        return Session(started, (Remark(About.SESSION_UNKNOWN, untold),))
+    late = tuple(motion for motion in both if _last(plain, started, motion) < _last(worn, started, motion))
+    return Session(started, (Remark(About.NO_RUN_AFTER, late),) if late else ())
+
+
+def _last(motions: Mapping[str, str | None], started: Mapping[str, float], motion: str) -> float:
+    return max(started[name] for name, own in motions.items() if own == motion)

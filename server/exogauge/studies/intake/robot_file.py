@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
 from exogauge.errors import BadRobot, Fault
-from exogauge.robots.declared import EXACT, Declared
-from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.description import EXACT, Declared, Joint, Robot, WrenchSensor
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf

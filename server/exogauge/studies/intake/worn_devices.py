@@ -13,8 +13,7 @@ import numpy as np
 
 from exogauge.devices.device import Device
 from exogauge.errors import BadStudy, Fault
-from exogauge.robots.description import Robot
-from exogauge.robots.known_load import KnownLoad
+from exogauge.robots.description import KnownLoad, Robot
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.intake.bundle import Bundle
 from exogauge.studies.intake.contract import KnownEntry, StudyFile

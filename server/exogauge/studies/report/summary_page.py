@@ -1,18 +1,24 @@
 """summary.html and summary.pdf: the whole evaluation on one sheet of A4, from one content.
 
 summary.html: the one-page report for the screen and for printing on one sheet of A4; no outside requests.
+
+Templates are those that lay beside this code when it was loaded: an installation that is upgraded beneath a running
+job gives it none that asks for what its own code does not know.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any, final
+
+import jinja2
 
 from exogauge.studies.report.page_model import Box, Drawing, Label, Line, Page
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_pdf import render_pdf
-from exogauge.studies.report.templates import TEMPLATES
+from exogauge.studies.words.remark_words import sentence
 
 SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
 
@@ -51,3 +57,17 @@ def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:
 
 def _marks(drawing: Drawing) -> list[tuple[str, Line | Box | Label]]:
     return [(type(mark).__name__.lower(), mark) for mark in drawing.marks]
+
+
+_FOLDER = files("exogauge.studies") / "templates"
+
+TEMPLATES = jinja2.Environment(
+    loader=jinja2.DictLoader(
+        {each.name: each.read_text(encoding="utf-8") for each in _FOLDER.iterdir() if each.name.endswith(".j2")}
+    ),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+TEMPLATES.filters["sentence"] = sentence

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
 from exogauge.studies.report.doubt_table import DoubtTable, doubt_table
-from exogauge.studies.report.support_figures import draw_support
+from exogauge.studies.report.figures import draw_support
 from exogauge.studies.results.support_results import best_approach, equality, largest, main_joints, motions
 from exogauge.studies.words.rounding import rounded, significant, with_std
 from exogauge.support.result import Effort, JointSupport, SupportResult, Trial

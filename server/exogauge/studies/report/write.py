@@ -25,8 +25,8 @@ from exogauge.studies.report.report_tables import (
     unknowns,
 )
 from exogauge.studies.report.stiffness_section import device_views
+from exogauge.studies.report.summary_page import TEMPLATES
 from exogauge.studies.report.support_section import motion_views
-from exogauge.studies.report.templates import TEMPLATES
 from exogauge.studies.results.document import Evaluation, Summary, all_notices, results, summaries
 from exogauge.studies.words.notices import by_sort, repeats
 from exogauge.studies.words.rounding import significant

@@ -1,14 +1,24 @@
 """The doctor's visit to a study's logs: what the robot lets one expect, the findings as entries of results.json, and
-which logs are left out for them."""
+which logs are left out for them.
+
+An identification that explains held-out logs worse than the maker's numbers is none: why, says the doctor.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from exogauge.criteria.criteria import Criteria
+from exogauge.errors import BadLog, Fault
+from exogauge.identification.preparation import DRIVE, needed_channels
+from exogauge.identification.prior import joint_prior
+from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
 from exogauge.plausibility.examine import OTHER_CLOCK, examine_against_robot
@@ -78,3 +88,83 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
         "row": finding.row,
         "value": finite(finding.value),
     }
+
+
+Array = NDArray[np.float64]
+
+WORSE = 1.1  # times the error of the maker's numbers
+NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
+
+
+def refuse_what_made_it_worse(
+    found: Identification, recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]]
+) -> list[Notice]:
+    """Raises BadLog with what the doctor holds for an error, if any held-out joint is predicted worse than before.
+
+    Where the doctor has no suspect, the joints are told in a notice: the answer is there, with a doubt. Errors are
+    compared in what was measured, amperes where currents were: in N·m a smaller k_T makes any error small.
+    """
+    worse = {joint: (before, after) for joint, before, after in held_out_errors(found, recordings) if after > before}
+    if not worse:
+        return []
+    joint, (before, after) = max(worse.items(), key=lambda each: each[1][1] / each[1][0])
+    said = f"held out, {joint} is predicted worse than by the maker's numbers ({after:.3g} against {before:.3g})"
+    if faults := suspects(findings, f"; {said}"):
+        raise BadLog(faults)
+    return [notice(Remark(About.WORSE_HELD_OUT, tuple(worse)))]
+
+
+def told_of_errors(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> list[Notice]:
+    """That the doctor holds channels for wrong without which the robot could not be identified."""
+    needed = needed_channels(robot)
+    wrong = {each["channel"] for each in findings if each["severity"] == "error"}
+    names = tuple(channel for channel in needed if channel in wrong)
+    return [notice(Remark(About.DOCTOR_ERRORS, names))] if names else []
+
+
+def suspects(findings: Sequence[Mapping[str, Any]], said: str = "") -> list[Fault]:
+    """What the doctor holds for an error, each once. said: what it led to."""
+    each_once = {(each["channel"], each["rule"]): each for each in findings if each["severity"] == "error"}
+    return [
+        Fault(f"{each['detail']}{said}", rule, str(each["advice"]), each["log"], column=channel)
+        for (channel, rule), each in each_once.items()
+    ]
+
+
+def held_out_errors(found: Identification, recordings: Sequence[Recording]) -> Iterator[tuple[str, float, float]]:
+    """(joint, rms error of the maker's numbers, of the identified ones), pooled over held-out logs, as measured.
+
+    In steady motion: at rest and after a turn friction holds a joint with whatever it is asked for, and the maker's
+    numbers, without friction, may be nearer by chance.
+    """
+    logs = {each.log.name: each.log for each in recordings if each.held_out}
+    robot = found.model.robot
+    coupled = np.abs(robot.axes_from_joints - np.eye(len(robot.joints))).sum(axis=0) > 0.0
+    sums = {joint.name: np.zeros(4) for joint in robot.joints}
+
+    def of_log(each: Prediction) -> dict[str, Array]:
+        told, found = each.channels(), dict[str, Array]()
+        for k, joint in enumerate(robot.joints):
+            channel = f"tau.{joint.name}"
+            if channel not in told.measured:
+                continue
+            measured, left = told.measured[channel], told.measured[channel] - told.predicted[channel]
+            left_before = told.measured[channel] - told.predicted_prior[channel]
+            if joint.actuation == "current" and not coupled[k]:
+                current, k_T = logs[each.log].channels[f"{DRIVE['current']}.{joint.name}"], joint_prior(joint, "k_T")
+                used = float(measured @ current) / max(float(current @ current), 1e-300)  # N·m/A in which it is told
+                left = left / max(abs(used), 1e-6 * k_T)
+                measured, left_before = current, current - told.predicted_prior[channel] / k_T
+            some = told.steady[channel]
+            squares = [float(np.sum(one[some] ** 2)) for one in (left_before, left, measured)]
+            found[joint.name] = np.array([*squares, np.count_nonzero(some)])
+        return found
+
+    held_out = [each for each in found.predictions if each.log in logs]
+    for log_sums in side_by_side(of_log, held_out):
+        for name, each in log_sums.items():
+            sums[name] += each
+    for name, (*squares, count) in sums.items():
+        if count:
+            was, now, whole = (float(each) for each in np.sqrt(np.array(squares) / count))
+            yield name, WORSE * was + NOTHING * whole, now

@@ -14,11 +14,10 @@ from exogauge.blind.generator.hidden.band import (
     ExtraBand,
 )
 from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, LinkMass, Payload
-from exogauge.blind.generator.hidden.coupling import Coupling
 from exogauge.blind.generator.hidden.effect import HiddenEffect, WholeEffect
 from exogauge.blind.generator.hidden.friction import AsymViscous, LoadCoulomb, NonlinearViscous, Presliding, Stribeck
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
-from exogauge.blind.generator.hidden.motor import JointSpring, KtGain, KtSaturation, TorqueDelay, TorqueRipple
+from exogauge.blind.generator.hidden.motor import Coupling, JointSpring, KtGain, KtSaturation, TorqueDelay, TorqueRipple
 from exogauge.blind.generator.hidden.outside import CableWrap, EncoderEccentricity, StrapSlides
 from exogauge.blind.generator.hidden.sensor import FtCrosstalk, FtDrift, FtGain
 from exogauge.blind.generator.hidden.slow import FrictionShift, ThermalViscous, TorqueOffsetDrift

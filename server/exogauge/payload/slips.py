@@ -1,4 +1,7 @@
-"""Units that were stated wrong, as motion tells them: forces and moments both hold m c, and must agree on it."""
+"""Units that were stated wrong, and a wrench that is late, as motion tells them.
+
+Forces and moments both hold m c, and must agree on it. By the clocks a wrench may be later than any filter makes it.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,11 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.judging import CARRYING as USUAL
 from exogauge.criteria.judging import Carrying
+from exogauge.criteria.payload_dynamic import USUAL as MOVING
+from exogauge.criteria.payload_dynamic import Moving
 from exogauge.logs.units import UNITS, units_of
 from exogauge.payload.dynamics import Rows
+from exogauge.payload.sensor_motion import SensorMotion
 
 Array = NDArray[np.float64]
 
@@ -77,3 +83,26 @@ def units_for(ratio: float, std: float, force_unit: str, moment_unit: str) -> st
             if abs(ratio / implied - 1.0) < max(3.0 * std / abs(ratio), 0.02) and abs(implied - 1.0) > 0.02:
                 found.append(f"`sensor.{key}_unit: {other}`")
     return " or ".join(found)
+
+
+def clock_offset(
+    motion: SensorMotion, wrench: Array, gravity: Array, std: Array, criteria: Moving = MOVING
+) -> tuple[float, float] | None:
+    """Seconds by which the wrench (T, 6) is late, as the best rigid body says, and the mean square that is left there,
+    in units of std (6,) [N, N·m]. None where the log is too short to tell. motion: T samples; gravity: (3,) in {B}."""
+    every, time = 4, motion.time  # samples: enough for a body
+    period = float(np.median(np.diff(time)))
+    most = round(min(criteria.farthest_clock_s, (time[-1] - time[0]) / 4.0) / period)
+    at = np.arange(most, len(time) - most, every)
+    if most < 1 or 6 * len(at) < 20 * 16:
+        return None
+    part = motion.rows(np.isin(np.arange(len(time)), at))
+    A = np.concatenate([part.regressor(gravity), np.broadcast_to(np.eye(6), (len(at), 6, 6))], axis=2) / std[:, None]
+    root = np.linalg.qr(A.reshape(-1, 16))[0]
+    lags = np.arange(-most, most + 1)
+    left = np.empty(len(lags))
+    for k, lag in enumerate(lags):
+        b = (wrench[at + lag] / std).ravel()
+        left[k] = (b @ b - np.sum((root.T @ b) ** 2)) / len(b)
+    best = int(np.argmin(left))
+    return float(lags[best]) * period, float(left[best])
