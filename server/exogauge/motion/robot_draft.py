@@ -14,10 +14,10 @@ from scipy.optimize import least_squares
 
 from exogauge.criteria.motion_draft import USUAL
 from exogauge.errors import BadRobot, Fault
-from exogauge.robots.moving.shapes import Shape
+from exogauge.robots.moving.robot import Shape
 from exogauge.studies.import_log.robot_draft import draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
-from exogauge.studies.intake.shape_files import shapes_of
+from exogauge.studies.intake.moving_robot import shapes_of
 
 Array = NDArray[np.float64]
 ELBOW, LEFT = re.compile(r"elbow", re.I), re.compile(r"(^|_)l(eft)?(_|$)|^l(?=[A-Z])|left", re.I)
