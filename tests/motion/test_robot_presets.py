@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 from tests.motion.robots import STOCK
 
 from exogauge.cli import main
+from exogauge.criteria.motion_plan import USUAL
+from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.touching import Pairs
 
@@ -57,10 +60,61 @@ def test_a_known_robot_stands_and_touches_nothing(name: str, tmp_path: Path, cap
         assert sum(any(part in link for part in arms) for link in pair) != 1
 
 
-def test_a_robot_that_no_preset_knows_is_told(tmp_path: Path, capsys) -> None:
-    urdf = tmp_path / "other.urdf"
-    urdf.write_text('<robot name="other"><link name="base"/></robot>')
+G1 = "g1_description/urdf/g1_29dof_rev_1_0.urdf"
+
+
+def stock(name: str, folder: Path) -> Path:
+    """A maker's URDF, alone in a folder."""
+    shutil.copy(Path(str(distribution("example-robot-data").locate_file(f"{STOCK}/{name}"))), folder / "robot.urdf")
+    return folder / "robot.urdf"
+
+
+def test_a_robot_that_no_preset_knows_is_drafted_and_stands(tmp_path: Path, capsys) -> None:
+    """Unitree's G1, whose feet are four balls each."""
+    assert main(["motion", "robot", str(stock(G1, tmp_path))]) == 0
+    assert "left first; so it faces along the x of pelvis" in capsys.readouterr().out
+    robot = load_motion_robot(tmp_path / "robot.yaml")
+    assert [robot.joints[k] for k in robot.torso] == ["waist_yaw_joint", "waist_roll_joint", "waist_pitch_joint"]
+    assert robot.segments["l_forearm"] == "left_elbow_link"
+    assert [robot.joints[k] for k in robot.beyond("r_forearm")] == [f"right_wrist_{way}_joint" for way in
+                                                                    ("roll", "pitch", "yaw")]  # fmt: skip
+    pin.forwardKinematics(robot.model, robot.data, robot.home)
+    for sole, side in zip(robot.soles, (1.0, -1.0), strict=True):
+        at = pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link))
+        corners = sole.outline @ at.rotation.T + at.translation
+        assert np.abs(corners[:, 2]).max() < 1e-3
+        assert sole.axes[:, 2] == pytest.approx([0, 0, 1])
+        assert np.ptp(corners, axis=0)[:2] == pytest.approx([0.18, 0.07], abs=1e-3)
+        assert (side * corners[:, 1] > 0.0).all()
+    knee = robot.data.oMi[robot.model.getJointId("left_knee_joint")].translation
+    assert knee[0] > corners[:, 0].mean()
+    assert not at_home(robot, USUAL).lacks
+
+
+def test_a_draft_says_what_the_urdf_does_not(tmp_path: Path, capsys) -> None:
+    """iCub faces against its root's x, and its feet are meshes that are not there; left is left all the same."""
+    assert main(["motion", "robot", str(stock("icub_description/robots/icub_reduced.urdf", tmp_path))]) == 1
+    said = capsys.readouterr().out
+    assert "faces against the x of base_link" in said
+    assert "# ! soles: the feet have no shape that can be read" in said
+    content = yaml.safe_load((tmp_path / "robot.yaml").read_text())
+    assert "soles" not in content
+    assert (content["human_map"]["l_hand"], content["human_map"]["thorax"]) == ("l_hand", "chest")
+    assert content["home"]["l_knee"] == pytest.approx(content["home"]["r_knee"])
+    assert content["home"]["l_knee"] < -0.5
+
+
+def test_legs_whose_limits_let_no_knee_go_ahead_are_told(tmp_path: Path, capsys) -> None:
+    """A teaching model: the ankles of its left leg have the limits of knees."""
+    urdf = stock("simple_humanoid_description/urdf/simple_humanoid.urdf", tmp_path)
+    assert main(["motion", "robot", str(urdf)]) == 1
+    assert "no knee goes ahead" in capsys.readouterr().out
+    assert not {"LLEG_HIP_P", "RLEG_HIP_P"} & set(yaml.safe_load((tmp_path / "robot.yaml").read_text())["home"])
+
+
+def test_a_robot_without_feet_is_told(tmp_path: Path, capsys) -> None:
+    urdf = stock("panda_description/urdf/panda.urdf", tmp_path)
     assert main(["motion", "robot", str(urdf)]) == 2
-    assert "talos, jvrc1, ergocub" in capsys.readouterr().err
+    assert "no two feet were found" in capsys.readouterr().err
     assert main(["motion", "robot", str(urdf), "--preset", "talos"]) == 2
     assert not (tmp_path / "robot.yaml").exists()

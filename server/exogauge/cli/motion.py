@@ -38,8 +38,8 @@ def add_commands(commands: Commands) -> None:
     fit.add_argument("--out", type=Path, metavar="FILE.mot", help="write the angles there, as OpenSim's tables are")
     fit.set_defaults(command=fit_motion)
 
-    robot = steps.add_parser("robot", help="write the robot.yaml of a known robot, for planning motions, from its URDF")
-    robot.add_argument("urdf", type=Path, help="of Talos, JVRC-1 or ergoCub")
+    robot = steps.add_parser("robot", help="write a robot.yaml for planning motions: of a known robot, or a draft")
+    robot.add_argument("urdf", type=Path, help="of Talos, JVRC-1 or ergoCub; of another robot it is looked at")
     robot.add_argument("--preset", metavar="NAME", help="talos, jvrc1 or ergocub, where its links do not tell")
     robot.add_argument("--out", type=Path, metavar="robot.yaml", help="beside the URDF where none is given")
     robot.set_defaults(command=write_robot)
@@ -151,7 +151,7 @@ def write_robot(args: argparse.Namespace) -> int:
 
     from exogauge.errors import BadRobot, Fault
     from exogauge.motion.robot_file import load_motion_robot
-    from exogauge.motion.robot_presets import preset_of, robot_file_of
+    from exogauge.motion.robot_presets import known, preset_of, robot_file_of
 
     out = args.out or args.urdf.with_name("robot.yaml")
     if not args.urdf.is_file() or out.resolve().parent != args.urdf.resolve().parent:
@@ -160,7 +160,9 @@ def write_robot(args: argparse.Namespace) -> int:
     if out.exists():
         raise BadRobot(Fault("there is such a file", "exists", "Name another one with --out", out.name))
     urdf = args.urdf.read_bytes()
-    preset = preset_of(urdf, args.urdf.name, args.preset)
+    preset = preset_of(urdf, args.urdf.name, args.preset) if args.preset or known(urdf, args.urdf.name) else None
+    if preset is None:
+        return _draft_robot(args.urdf, urdf, out)
     content = yaml.safe_dump(robot_file_of(preset, urdf, args.urdf.name), sort_keys=False, default_flow_style=None)
     head = (f"# Preset {preset.name}. Soles and shapes: {preset.source}. Limits of acceleration and jerk: usual ones,\n"
             "# not the maker's. Look at them before a robot moves.\n")  # fmt: skip
@@ -169,6 +171,25 @@ def write_robot(args: argparse.Namespace) -> int:
     _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg", "soles and shapes": preset.source,
             "acceleration, jerk": "usual ones, not the maker's", "written": out.name}, False)  # fmt: skip
     return 0
+
+
+def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
+    """1 where something is lacking."""
+    import yaml
+
+    from exogauge.motion.robot_draft import draft_of
+    from exogauge.motion.robot_file import load_motion_robot
+
+    content, told = draft_of(urdf, file.name, file.parent)
+    head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
+    out.write_text("\n".join(head) + "\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
+    print("\n".join(told))
+    lacks = any(each.startswith("# !") for each in told)
+    if not lacks:
+        robot = load_motion_robot(out)
+        _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}, False)
+    _print({"written": out.name}, False)
+    return 1 if lacks else 0
 
 
 def check_motion(args: argparse.Namespace) -> int:

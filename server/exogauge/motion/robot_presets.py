@@ -91,6 +91,12 @@ ERGOCUB = RobotPreset(
 PRESETS = (TALOS, JVRC1, ERGOCUB)
 
 
+def known(urdf: bytes, file: str) -> bool:
+    """Whether the URDF is of one of them. Raises BadRobot."""
+    links = {link.get("name", "") for link in read_urdf(urdf, file).findall("link")}
+    return any(each.links <= links for each in PRESETS)
+
+
 def preset_of(urdf: bytes, file: str, name: str | None = None) -> RobotPreset:
     """The preset of that name; without one, that of the robot whose links the URDF holds. Raises BadRobot."""
     links = {link.get("name", "") for link in read_urdf(urdf, file).findall("link")}
