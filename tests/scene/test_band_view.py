@@ -11,8 +11,8 @@ import pytest
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.posture import Posture
 from exogauge.robots.description import Robot
-from exogauge.scene.band_view import dashed, draw_bands
 from exogauge.scene.colours import TENSION, round_up
+from exogauge.scene.recording import dashed, draw_bands
 from exogauge.scene.robot_view import draw_robot
 from exogauge.scene.stage import Stage
 

@@ -7,15 +7,16 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.errors import BadInput, ExogaugeError, Fault
-from exogauge.payload.dynamics import NAMES, ZERO_NAMES
-from exogauge.payload.live import Known, Sensed
-from exogauge.payload.live_input import Counts
+
+if TYPE_CHECKING:  # a server, which passes messages on, loads no numerics
+    from exogauge.payload.live import Known, Sensed
+    from exogauge.payload.live_input import Counts
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,8 @@ def wrench_message(sensed: Sensed, numbers: Sequence[int]) -> dict[str, Any]:
 
 def payload_message(known: Known, counts: Counts, rate_hz: float) -> dict[str, Any]:
     """Ten times a second."""
+    from exogauge.payload.dynamics import NAMES, ZERO_NAMES
+
     found, names = known.estimate, (*NAMES, *ZERO_NAMES)
     return {
         "type": "payload",

@@ -10,7 +10,7 @@ from typing import final
 from pydantic import ValidationError
 
 from exogauge.errors import BadInput, Fault
-from exogauge.payload.exports import abb, as_csv, as_json, kuka, mjcf, sdf, ur, urdf
+from exogauge.payload.exports import controllers, plain_values, simulators
 from exogauge.payload.exports.body import Body, body_of, in_flange
 from exogauge.payload.schema import PayloadResults
 from exogauge.studies.intake.yaml_file import suggestion
@@ -30,14 +30,14 @@ class Format:
 
 PLAIN, XML = "text/plain; charset=utf-8", "application/xml"
 FORMATS: dict[str, Format] = {
-    "json": Format(as_json.write, ".json", "application/json", "JSON"),
-    "csv": Format(as_csv.write, ".csv", "text/csv; charset=utf-8", "CSV"),
-    "urdf": Format(urdf.write, ".urdf", XML, "URDF <inertial>"),
-    "sdf": Format(sdf.write, ".sdf", XML, "SDFormat <inertial>"),
-    "mjcf": Format(mjcf.write, ".xml", XML, "MJCF <inertial>"),
-    "ur": Format(ur.write, ".script", PLAIN, "UR set_target_payload", True),
-    "kuka": Format(kuka.write, ".dat", PLAIN, "KUKA LOAD_DATA", True),
-    "abb": Format(abb.write, ".mod", PLAIN, "ABB loaddata", True),
+    "json": Format(plain_values.as_json, ".json", "application/json", "JSON"),
+    "csv": Format(plain_values.as_csv, ".csv", "text/csv; charset=utf-8", "CSV"),
+    "urdf": Format(simulators.urdf, ".urdf", XML, "URDF <inertial>"),
+    "sdf": Format(simulators.sdf, ".sdf", XML, "SDFormat <inertial>"),
+    "mjcf": Format(simulators.mjcf, ".xml", XML, "MJCF <inertial>"),
+    "ur": Format(controllers.set_target_payload, ".script", PLAIN, "UR set_target_payload", True),
+    "kuka": Format(controllers.load_data, ".dat", PLAIN, "KUKA LOAD_DATA", True),
+    "abb": Format(controllers.loaddata, ".mod", PLAIN, "ABB loaddata", True),
 }
 
 

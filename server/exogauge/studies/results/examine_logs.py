@@ -25,7 +25,7 @@ from exogauge.plausibility.examine import OTHER_CLOCK, examine_against_robot
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
-from exogauge.studies.intake.expectation import expectation
+from exogauge.studies.intake.admit import expectation
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog

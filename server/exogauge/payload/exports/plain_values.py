@@ -1,12 +1,15 @@
-"""JSON: the body about its centre of mass, with standard deviations and covariance."""
+"""A payload as plain values: JSON and CSV."""
 
 from __future__ import annotations
 
 import json
 
+from exogauge.criteria.criterion import Z95
 from exogauge.payload.exports.body import TENSOR, Body
+from exogauge.studies.csv_table import csv_table
 
 NAMES = ("m", "cx", "cy", "cz", *TENSOR)
+HEAD = ("name", "unit", "value", "std", "low", "high", "frame")
 UNITS = ("kg", *("m",) * 3, *("kg·m²",) * 6)
 
 
@@ -21,7 +24,8 @@ def rows(body: Body) -> list[tuple[str, str, float, float]]:
     ]
 
 
-def write(body: Body) -> str:
+def as_json(body: Body) -> str:
+    """JSON: the body about its centre of mass, with standard deviations and covariance."""
     content = {
         "name": body.name,
         "frame": body.frame,
@@ -31,3 +35,12 @@ def write(body: Body) -> str:
         "made_possible": body.possible,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def as_csv(body: Body) -> str:
+    """CSV: one row per number, with unit, standard deviation, 95 % interval and frame."""
+    frame = f"{body.frame}; inertia about the centre of mass"
+    table = [
+        [name, unit, value, std, value - Z95 * std, value + Z95 * std, frame] for name, unit, value, std in rows(body)
+    ]
+    return csv_table(HEAD, table).decode()
