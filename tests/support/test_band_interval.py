@@ -113,6 +113,22 @@ def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
         assert high - low == pytest.approx(2 * Z95 * own, rel=0.01)
 
 
+def test_a_doubt_of_a_seventeenth_is_not_symmetric_already():
+    """The slopes at what was found claim a symmetric doubt; the best of the rest says how much more the far end costs."""
+    samples = bending(noise=1.0)
+    given, fit = found_in(samples)
+    value, std = fit.wear.theta[STIFFNESS], float(np.sqrt(curved(fit)[STIFFNESS, STIFFNESS]))
+    assert 0.05 < std / value < 0.08
+    low, high = Profiles(given, fit, curved(fit)).interval(STIFFNESS, value)
+    assert high - value > 1.2 * Z95 * std
+    for end in (low, high):
+        held = min(
+            2.0 * least_squares(lambda x, end=end: residual(samples, end, x[0]), [fit.wear.theta[LENGTH] * near]).cost
+            for near in (0.99, 1.0, 1.01)
+        )
+        assert held - float(np.sum(residual(samples, *fit.wear.theta) ** 2)) == pytest.approx(Z95**2, rel=0.05)
+
+
 @pytest.mark.slow
 def test_lengths_are_inside_as_often_as_stated_however_little_is_known_of_the_stiffness():
     """A stiffness that is known to a quarter of itself; three hundred draws about 95 % scatter by 1.3 %."""

@@ -1,6 +1,7 @@
 """The bands of a device from one approach's supporting torques: values, doubt, and what these motions cannot tell.
 
-95 % intervals: symmetric where the estimate is, by profile likelihood where its doubt is skewed.
+95 % intervals: symmetric where the profile of the likelihood is, along it where it is not. A standard deviation is no
+less than what the interval tells.
 """
 
 from __future__ import annotations
@@ -289,6 +290,7 @@ def _estimate(
     k_interval, l_interval = profiles.of_band(k, stretch)
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
+    stiffness, length = _as_wide_as(stiffness, k_interval), _as_wide_as(length, l_interval)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
     l_known = length.std <= known * stretch and not edge
     return BandEstimate(
@@ -324,7 +326,17 @@ def _note(
     return None if l_known else Remark(About.LENGTH_OPEN)
 
 
-SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
+def _as_wide_as(estimate: Estimate, interval: tuple[float, float]) -> Estimate:
+    """With no less doubt than its interval tells, every part in proportion: the slopes at an estimate that is too large
+    are those of a band that comes taut late, which would be known better than it is."""
+    half = (interval[1] - interval[0]) / (2.0 * Z95)
+    if not np.isfinite([half, estimate.std]).all() or half <= estimate.std or estimate.std == 0.0:
+        return estimate
+    parts = {source: each * half / estimate.std for source, each in estimate.parts.items()}
+    return replace(estimate, std=half, parts=parts)
+
+
+SKEWED = 0.02  # std over the value (over the stretch, for a length) from which a symmetric interval's ends are tried
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
@@ -343,7 +355,8 @@ class Profiles:
     covariance: Array
 
     def interval(self, index: int, relative_to: float) -> tuple[float, float]:
-        """(low, high) of one value. relative_to: its size, against which its std says whether the doubt is skewed."""
+        """(low, high) of one value. relative_to: its size; with a std of less than a small share of it no doubt is
+        skewed."""
         std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
         if not np.isfinite(std):
             return 0.0, np.inf
@@ -392,9 +405,13 @@ class Profiles:
             reached[candidate] = held.wear
             return float(share * (held.cost - coarse.cost) - Z95**2)
 
+        low, high = value - Z95 * std, value + Z95 * std
+        straight = 0.2 * Z95**2  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
+        if low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
+            return low, high
         return (
-            _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
-            _crossing(excess, value, std, value + reach * std) or np.inf,
+            _crossing(excess, value, -Z95 * std, max(SHORTEST, value - reach * std)) or 0.0,
+            _crossing(excess, value, Z95 * std, value + reach * std) or np.inf,
         )
 
 
