@@ -114,7 +114,7 @@ def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
 
 
 def test_a_doubt_of_a_seventeenth_is_not_symmetric_already():
-    """The slopes at what was found claim a symmetric doubt; the best of the rest says how much more the far end costs."""
+    """The slopes claim a symmetric doubt; the best of the rest says how much more the far end costs."""
     samples = bending(noise=1.0)
     given, fit = found_in(samples)
     value, std = fit.wear.theta[STIFFNESS], float(np.sqrt(curved(fit)[STIFFNESS, STIFFNESS]))
