@@ -1,7 +1,6 @@
 """The bands of a device from one approach's supporting torques: values, doubt, and what these motions cannot tell.
 
-95 % intervals: symmetric where the profile of the likelihood is, along it where it is not. A standard deviation is no
-less than what the interval tells.
+95 % intervals: symmetric where the profile of the likelihood is, along it where it is not.
 """
 
 from __future__ import annotations
@@ -290,7 +289,6 @@ def _estimate(
     k_interval, l_interval = profiles.of_band(k, stretch)
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
-    stiffness, length = _as_wide_as(stiffness, k_interval), _as_wide_as(length, l_interval)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
     l_known = length.std <= known * stretch and not edge
     return BandEstimate(
@@ -324,16 +322,6 @@ def _note(
     if not k_known:
         return Remark(About.STIFFNESS_OPEN)
     return None if l_known else Remark(About.LENGTH_OPEN)
-
-
-def _as_wide_as(estimate: Estimate, interval: tuple[float, float]) -> Estimate:
-    """With no less doubt than its interval tells, every part in proportion: the slopes at an estimate that is too large
-    are those of a band that comes taut late, which would be known better than it is."""
-    half = (interval[1] - interval[0]) / (2.0 * Z95)
-    if not np.isfinite([half, estimate.std]).all() or half <= estimate.std or estimate.std == 0.0:
-        return estimate
-    parts = {source: each * half / estimate.std for source, each in estimate.parts.items()}
-    return replace(estimate, std=half, parts=parts)
 
 
 SKEWED = 0.02  # std over the value (over the stretch, for a length) from which a symmetric interval's ends are tried

@@ -237,19 +237,14 @@ def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
 def headline_approach(found: Sequence[StiffnessResult], device: str, group: str) -> str | None:
     """The approach that decides a group's stiffness with the smallest doubt for its size, what it finds on logs without
     the device in it; None where none decides it. Levers and gains are doubted in proportion: the smallest doubt in N/m
-    would be that of the smallest stiffness, and for the value alone that of the largest. So the ends of its interval
-    are compared with each other."""
+    would be that of the smallest stiffness."""
     decided = {
-        each.approach: _ratio(*band.stiffness_interval)
+        each.approach: band.stiffness.std / abs(band.stiffness.value)
         for each in found
         for band in each.bands
         if (each.device, band.group) == (device, group) and each.approach != "prior" and band.identifiable
     }
     return min(decided, key=lambda approach: decided[approach]) if decided else None
-
-
-def _ratio(low: float, high: float) -> float:
-    return high / low if low > 0.0 else math.inf
 
 
 def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
