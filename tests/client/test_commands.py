@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from exogauge.cli import main
-from exogauge.client import Client, ClientProblem, client, transport, uploading
+from exogauge.client import Client, ClientProblem, transport, uploading
 
 pytestmark = pytest.mark.slow
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "nightly.sh"
@@ -218,7 +218,7 @@ def test_what_answers_in_the_services_place_is_told_as_such(
         if kind == "text/html":
             with Client(url) as opened, pytest.raises(ClientProblem):
                 opened.export_series(job, "a", tmp_path / "a.csv")
-        monkeypatch.setattr(client, "LARGE", 1)
+        monkeypatch.setattr(uploading, "LARGE", 1)
         assert told("upload", study_folder, "--server", url)[0] == ended
     assert not list(tmp_path.glob("out/*"))
     assert not (tmp_path / "a.csv").exists()
@@ -248,7 +248,7 @@ def test_an_upload_that_was_broken_off_goes_on_in_another_process(service, tmp_p
 
 
 def test_two_who_hand_in_the_same_large_study_at_once_both_have_it(service, study_folder, monkeypatch):
-    monkeypatch.setattr(client, "LARGE", 1)
+    monkeypatch.setattr(uploading, "LARGE", 1)
     monkeypatch.setattr(uploading, "PIECE", 300)
     (study_folder / "note.txt").write_text(os.urandom(2000).hex())
     found = list[str]()

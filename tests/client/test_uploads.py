@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from exogauge.client import Client, ClientProblem, client, uploading
+from exogauge.client import Client, ClientProblem, uploading
 
 pytestmark = pytest.mark.slow
 
@@ -111,7 +111,7 @@ def test_a_foreign_log_is_looked_at_mapped_and_kept_with_its_robot(service, stud
 def test_a_large_study_goes_up_in_pieces_and_is_the_same_study(service, study_folder, monkeypatch):
     with Client(service.url) as opened:
         whole = opened.upload_study(study_folder)
-        monkeypatch.setattr(client, "LARGE", 1)
+        monkeypatch.setattr(uploading, "LARGE", 1)
         monkeypatch.setattr(uploading, "PIECE", 1000)
         assert opened.upload_study(study_folder) == whole
     assert on_disk(service) == []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -28,7 +27,7 @@ from exogauge.client.things import (
 )
 from exogauge.client.tokens import token_for
 from exogauge.client.transport import ClientProblem, NotNow, Transport, has, problem_of_job
-from exogauge.client.uploading import upload, zipped, zipped_description
+from exogauge.client.uploading import send, send_described, send_logs
 from exogauge.terminal import bar
 
 if TYPE_CHECKING:
@@ -37,14 +36,12 @@ if TYPE_CHECKING:
 Thing = TypeVar("Thing")
 
 POLL_S = 0.2
-LARGE = 64 << 20  # bytes from which a study goes up in pieces
 RESULTS = "results.json"
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
 PATHS: Mapping[type, str] = {
     Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads", Motion: "motions",
     Plan: "plans",
 }  # fmt: skip
-YAML = (".yaml", ".yml")
 
 
 @final
@@ -79,19 +76,16 @@ class Client:
 
         From 64 MiB on it goes up in pieces and survives broken connections; a bar on stderr shows what has arrived.
         """
-        return thing(Study, self._upload_logs("studies", Path(path), STUDY))
+        return thing(Study, send_logs(self._http, "studies", Path(path), STUDY))
 
     def upload_payload(self, path: str | Path) -> Payload:
         """A payload's folder, its payload.yaml, or a zip; large ones as large studies. Other files under the same name
         are its next version."""
-        return thing(Payload, self._upload_logs("payloads", Path(path), PAYLOAD))
+        return thing(Payload, send_logs(self._http, "payloads", Path(path), PAYLOAD))
 
     def upload(self, file: str | Path, *, progress: bool = False) -> str:
         """Send one file of any size in pieces, going on where it was when the line breaks; returns the upload's id."""
-        file = Path(file)
-        size = max(file.stat().st_size, 1)
-        with bar(f"sending {file.name}", shown=progress) as say:
-            return upload(self._http, file, lambda sent: say(sent / size, file.name, "sending"))
+        return send(self._http, Path(file), shown=progress)
 
     def study_of_uploads(self, uploads: Sequence[str], paths: Sequence[str] | None = None) -> Study:
         """A study of files that were uploaded before: one zip, or several files with their paths in the study."""
@@ -100,14 +94,14 @@ class Client:
 
     def upload_robot(self, path: str | Path) -> Robot:
         """A robot.yaml (with the URDF it names), a folder that holds nothing but the robot, or a zip."""
-        return thing(Robot, self._upload_described("robots", Path(path), ROBOT))
+        return thing(Robot, send_described(self._http, "robots", Path(path), ROBOT))
 
     def upload_device(self, path: str | Path, robot: Robot | str) -> Device:
         """A device.yaml (with the bench tests it names), a folder that holds nothing but the device, or a zip.
 
         robot: who wears it; its links are what the via points name.
         """
-        return thing(Device, self._upload_described("devices", Path(path), DEVICE, {"robot": id_of(robot)}))
+        return thing(Device, send_described(self._http, "devices", Path(path), DEVICE, {"robot": id_of(robot)}))
 
     def upload_log(self, path: str | Path, mapping: str | Path | None = None, robot: Robot | str | None = None) -> Log:
         """One log. mapping: a mapping.yaml that names its columns; robot: whose gears the mapping needs."""
@@ -466,41 +460,6 @@ class Client:
         for artifact in sorted(wanted, key=lambda each: each.name == RESULTS):
             self._http.download(quote(artifact.href), places[artifact.name], artifact.sha256)
         return list(places.values())
-
-    def _upload_logs(self, path: str, source: Path, main: str) -> Any:
-        """A folder with logs, which may be large."""
-        source = source.parent if source.name == main else source
-        with tempfile.TemporaryDirectory() as temporary:
-            if source.is_dir():
-                source = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
-            if source.is_file() and source.stat().st_size >= LARGE:
-                return self._of_upload(f"{path}/from-upload", source)
-            return self._http.post(path, files={"files": source})
-
-    def _of_upload(self, path: str, source: Path) -> Any:
-        try:
-            return self._http.post(path, {"upload_ids": [self.upload(source, progress=True)]})
-        except ClientProblem as gone:
-            if gone.status != 404:
-                raise
-        # another run sent the same file, and was quicker to use it
-        return self._http.post(path, {"upload_ids": [self.upload(source, progress=True)]})
-
-    def _upload_bundle(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
-        source = source.parent if source.name == main else source
-        if not source.is_dir():
-            return self._http.post(path, files={"files": source}, form=form)
-        with tempfile.TemporaryDirectory() as temporary:
-            packed = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
-            return self._http.post(path, files={"files": packed}, form=form)
-
-    def _upload_described(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
-        """A description under any name, with the files it names; or what else makes a bundle."""
-        if source.suffix not in YAML or not source.is_file():
-            return self._upload_bundle(path, source, main, form)
-        with tempfile.TemporaryDirectory() as temporary:
-            packed = zipped_description(source, main, Path(temporary) / f"{source.stem}.zip")
-            return self._http.post(path, files={"files": packed}, form=form)
 
     def _all(self, path: str, kind: type[Thing], params: Mapping[str, Any] | None = None) -> Iterator[Thing]:
         return (thing(kind, item) for item in self._items(path, params))

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import tempfile
 import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,13 @@ import yaml
 
 from exogauge.client.transport import BUSY, ClientProblem, NotNow, Transport, digest, foreign, problem_of
 from exogauge.errors import BadStudy, Fault
+from exogauge.terminal import bar
 
 STAYS_BEHIND = {"truth.json", "truth"}  # of synthetic studies: what no evaluating code may see
 STORED = {".parquet", ".gz", ".zip", ".png"}
 NAMES_A_FILE = {"urdf", "file"}
+YAML = (".yaml", ".yml")
+LARGE = 64 << 20  # bytes from which logs go up in pieces
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -66,6 +71,48 @@ def packed(files: Mapping[Path, Path], target: Path) -> Path:
                 while chunk := source.read(1 << 20):
                     member.write(chunk)
     return target
+
+
+@contextmanager
+def _bundle(source: Path, main: str) -> Iterator[Path]:
+    """The file to send: that of a folder, or of the `main` in it, is a zip."""
+    source = source.parent if source.name == main else source
+    if not source.is_dir():
+        yield source
+        return
+    with tempfile.TemporaryDirectory() as temporary:
+        yield zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
+
+
+def send_logs(http: Transport, path: str, source: Path, main: str) -> Any:
+    """A folder with logs, its `main`, or a zip; a large one in pieces, with a bar on stderr."""
+    with _bundle(source, main) as file:
+        if not (file.is_file() and file.stat().st_size >= LARGE):
+            return http.post(path, files={"files": file})
+        try:
+            return http.post(f"{path}/from-upload", {"upload_ids": [send(http, file, shown=True)]})
+        except ClientProblem as gone:
+            if gone.status != 404:
+                raise
+        # another run sent the same file, and was quicker to use it
+        return http.post(f"{path}/from-upload", {"upload_ids": [send(http, file, shown=True)]})
+
+
+def send_described(http: Transport, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
+    """A description under any name, with the files it names; or what else makes a bundle."""
+    if source.suffix in YAML and source.is_file():
+        with tempfile.TemporaryDirectory() as temporary:
+            packed = zipped_description(source, main, Path(temporary) / f"{source.stem}.zip")
+            return http.post(path, files={"files": packed}, form=form)
+    with _bundle(source, main) as file:
+        return http.post(path, files={"files": file}, form=form)
+
+
+def send(http: Transport, file: Path, *, shown: bool) -> str:
+    """As `upload`. shown: with a bar on stderr."""
+    size = max(file.stat().st_size, 1)
+    with bar(f"sending {file.name}", shown=shown) as say:
+        return upload(http, file, lambda sent: say(sent / size, file.name, "sending"))
 
 
 PIECE = 8 << 20

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, final
 from xml.etree import ElementTree
 
+from exogauge.criteria.motion_draft import USUAL
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf
 
@@ -39,7 +40,9 @@ class RobotPreset:
     boxes: Mapping[str, Box]
     rods: Mapping[str, Rod]
     source: str
-    limits: Mapping[str, float] = field(default_factory=lambda: {"acceleration": 40.0, "jerk": 2000.0})
+    limits: Mapping[str, float] = field(
+        default_factory=lambda: {"acceleration": USUAL.acceleration, "jerk": USUAL.jerk}
+    )
 
     @property
     def links(self) -> set[str]:
