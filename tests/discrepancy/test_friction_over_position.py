@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 HOUSE = Path(exogauge.__file__).parent
 SEARCH = ("detect", "search", "experiment", "findings")
-DEEPEST_SEARCH, DEEPEST = 10, 18  # calls below `find_missing_effects`, all in one thread; they may only fall
+DEEPEST_SEARCH, DEEPEST = 10, 17  # calls below `find_missing_effects`, all in one thread; they may only fall
 
 A, B = 0.9, -0.6  # [N·m]
 

@@ -165,7 +165,9 @@ def _made(
 
     def ready(log: Log) -> Prepared:
         bare = kept.of(log, "prepared", lambda: prepare(robot, log, cutoff_hz, at_rest))
-        return extension.attach(bare, attached) if extension else bare
+        if extension is None:
+            return bare
+        return bare.with_added(*attached.of(log, "attached", lambda: extension.added_to(bare)))
 
     fitted = list(side_by_side(ready, fitted_logs))
     seen = scales(robot, fitted)

@@ -101,7 +101,9 @@ class RobotModel:
     def prepare(self, log: Log) -> Prepared:
         """A further log, filtered and differentiated as the identified ones were."""
         bare = self.prepare_bare(log)
-        return self.extension.attach(bare, self.attached) if self.extension else bare
+        if (extension := self.extension) is None:
+            return bare
+        return bare.with_added(*self.attached.of(log, "attached", lambda: extension.added_to(bare)))
 
     def prepare_bare(self, log: Log) -> Prepared:
         """The same without what an extension adds."""
@@ -155,20 +157,13 @@ class Extension:
                 named = f"{each.effect.name}.{coefficient.name}"
                 yield AddedColumn(named, place, each.site.kinds(equations), replace(coefficient, unit=unit))
 
-    def attach(self, prepared: Prepared, kept: PerLog | None = None) -> Prepared:
-        """The same log with what the added effects do to its rows per unit of their coefficients, filtered as those.
+    def attach(self, prepared: Prepared) -> Prepared:
+        """The same log with what the added effects do to its rows."""
+        return prepared.with_added(*self.added_to(prepared))
 
-        kept: by whom prepares each log in one way only.
-        """
-        if kept is None:
-            filtered, raw = self._added_to(prepared)
-        else:
-            filtered, raw = kept.of(prepared.log, "attached", lambda: self._added_to(prepared))
-        added, raw_added = np.hstack([prepared.added, filtered]), np.hstack([prepared.raw_added, raw])
-        return replace(prepared, added=added, raw_added=raw_added)
-
-    def _added_to(self, prepared: Prepared) -> tuple[Array, Array]:
-        """(T, entries) each: filtered, and not."""
+    def added_to(self, prepared: Prepared) -> tuple[Array, Array]:
+        """(T, entries) each: what the added effects do to a log's rows per unit of their coefficients, filtered as
+        those, and not."""
         seen: dict[Site, Seen] = {}
         raw = [np.zeros((prepared.log.samples, 0))]
         for each in self.effects:

@@ -114,6 +114,11 @@ class Prepared:
             inside[self.kept[0] : self.kept[-1] + 1] = True
         return inside
 
+    def with_added(self, filtered: Array, raw: Array) -> Prepared:
+        """With further columns of what is added to its rows, (T, entries) each."""
+        added, raw_added = np.hstack([self.added, filtered]), np.hstack([self.raw_added, raw])
+        return replace(self, added=added, raw_added=raw_added)
+
     def at_kept(self) -> Prepared:
         """The kept samples alone; the log stays whole."""
         arrays = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray) and name != "kept"}
