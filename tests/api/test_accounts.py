@@ -400,6 +400,8 @@ def test_streams_of_one_token_are_looked_at_together_and_a_revoked_one_is_not_kn
     assert all(still(secret) for _ in range(50))
     assert still(other)
     assert looks == [secret, other]
+    with people.installation.reading() as session:
+        assert session.get(ApiToken, row).used_at is not None  # a stream alone is use, too
     assert not still(secret, "south")
     with people.installation.of_lab("north").transaction() as store:
         store.tokens.revoke(row)

@@ -54,9 +54,8 @@ class Access:
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
-        self._seen = dict[
-            str, tuple[float, Caller | None]
-        ]()  # by the hash of a key: when it was looked up for a stream
+        # by the hash of a key: when it was looked up for a stream, and whose it was
+        self._seen = dict[str, tuple[float, Caller | None]]()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
@@ -89,15 +88,17 @@ class Access:
     def who(self, scope: Scope) -> Caller | None:
         """None where nobody is signed in; a token that is none, or is no more, is nobody too, cookie or not."""
         key, by_token = key_of(scope)
-        if key is None:
-            return None
+        return None if key is None else self.looked_up(scope, key, by_token)
+
+    def looked_up(self, scope: Scope, key: str, by_token: bool, *, as_guest: bool = True) -> Caller | None:
+        """Whose key it is; its use is noted. as_guest: in the lab that shares what is asked for, if another does."""
         installation: Installation = scope["app"].state.installation
         with installation.reading() as session:
             found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
             if found is None:
                 return None
             caller, to_note = found
-            host = self.host(session, caller, scope)
+            host = self.host(session, caller, scope) if as_guest else None
         if to_note:
             with contextlib.suppress(Unavailable), installation.session() as session:
                 callers.note(session, caller)
@@ -128,9 +129,7 @@ class Access:
         name, now = hashed(key), time.monotonic()
         at, caller = self._seen.get(name, (-math.inf, None))
         if now - at > SHARED_S:
-            with scope["app"].state.installation.reading() as session:
-                found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
-            caller = None if found is None else found[0]
+            caller = self.looked_up(scope, key, by_token, as_guest=False)
             self._seen = {each: kept for each, kept in self._seen.items() if now - kept[0] <= SHARED_S}
             self._seen[name] = now, caller
         return caller
