@@ -1,4 +1,4 @@
-"""Coefficients that nature bounds: friction does not push, a motor gain is not negative."""
+"""What nature bounds: friction does not push, a motor gain is not negative, a link is a body that can exist."""
 
 from __future__ import annotations
 
