@@ -10,9 +10,7 @@ def urdf(body: Body) -> str:
 
     Definition: wiki.ros.org/urdf/XML/link. Inertia about the centre of mass, axes of the link, since `rpy` is zero.
     """
-    I = body.solid("URDF")  # noqa: E741
-    pairs = ("xx", "xy", "xz", "yy", "yz", "zz")
-    inertia = " ".join(f'i{ab}="{float(I["xyz".index(ab[0]), "xyz".index(ab[1])])!r}"' for ab in pairs)
+    inertia = " ".join(f'{name}="{value!r}"' for name, value in _inertia(body, "URDF").items())
     return f"""<?xml version="1.0"?>
 <!--
 {said(body, "kg, m, kg·m²; inertia about the centre of mass, axes of the frame")}
@@ -35,11 +33,7 @@ def sdf(body: Body) -> str:
     Definition: sdformat.org/spec, link/inertial. Inertia about the centre of mass, axes of `<pose>`, here the
     link's own.
     """
-    I = body.solid("SDF")  # noqa: E741
-    pairs = ("xx", "xy", "xz", "yy", "yz", "zz")
-    inertia = "\n".join(
-        f"          <i{ab}>{float(I['xyz'.index(ab[0]), 'xyz'.index(ab[1])])!r}</i{ab}>" for ab in pairs
-    )
+    inertia = "\n".join(f"          <{name}>{value!r}</{name}>" for name, value in _inertia(body, "SDF").items())
     return f"""<?xml version="1.0"?>
 <!--
 {said(body, "kg, m, kg·m²; inertia about the centre of mass, axes of the frame")}
@@ -80,3 +74,10 @@ def mjcf(body: Body) -> str:
   </worldbody>
 </mujoco>
 """
+
+
+def _inertia(body: Body, form: str) -> dict[str, float]:
+    """ixx … izz [kg·m²], as both formats name them."""
+    I = body.solid(form)  # noqa: E741
+    places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    return {name: float(I[place]) for name, place in places.items()}
