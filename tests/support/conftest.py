@@ -265,6 +265,7 @@ class Biped:
             "cutoff_hz": CUTOFF,
             "prepared": PerLog(),
             "computed": PerLog(),
+            "attached": PerLog(),
             "criteria": Criteria(),
         }
         return RobotModel(**(support_never_asks_for | known))

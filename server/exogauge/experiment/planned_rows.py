@@ -50,7 +50,7 @@ def with_next_log(model: RobotModel) -> RobotModel:
 def _for_one_log(model: RobotModel, order: Mapping[str, int]) -> RobotModel:
     """Planned logs are asked for once: little need be kept of one for the next."""
     one_log = 50_000_000  # bytes: of a planned log, prepared
-    return replace(model, order=order, prepared=PerLog(one_log), computed=PerLog(one_log))
+    return replace(model, order=order, prepared=PerLog(one_log), computed=PerLog(one_log), attached=PerLog(one_log))
 
 
 def new_rows(
