@@ -64,6 +64,7 @@ class About(StrEnum):
     APPROACHES_DISAGREE = "approaches_disagree"
     REPETITIONS_DISAGREE = "repetitions_disagree"
     STROKES_DISAGREE = "strokes_disagree"
+    PULLS_DISAGREE = "pulls_disagree"
     SIDES_DISAGREE = "sides_disagree"
     STIFFNESS_OPEN = "stiffness_open"
     LENGTH_OPEN = "length_open"

@@ -63,8 +63,8 @@ class BandEstimate:
 class CrossCheck:
     """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
 
-    check: `approaches`, `repetitions`, `strokes` or `sides`. between: names of the parts. difference: first minus
-    second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
+    check: `approaches`, `repetitions`, `strokes`, `pulls` or `sides`. between: names of the parts. difference: first
+    minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
     """
 
     check: str

@@ -33,16 +33,19 @@ SAID = {
     "approaches": About.APPROACHES_DISAGREE,
     "repetitions": About.REPETITIONS_DISAGREE,
     "strokes": About.STROKES_DISAGREE,
+    "pulls": About.PULLS_DISAGREE,
     "sides": About.SIDES_DISAGREE,
 }
 LENGTHENING, SHORTENING = "lengthening", "shortening"
+HARD, SOFT = "hard", "soft"
 
 
 def within(
     seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting
 ) -> tuple[CrossCheck, ...]:
-    """Of one approach: each log against all others, bands that lengthen against the same that shorten, and bands of a
-    group against each other. robot: as in `contributions`. What the motions cannot tell apart is not compared."""
+    """Of one approach: each log against all others, bands that lengthen against the same that shorten, their harder
+    half of pulls against the softer, and bands of a group against each other. robot: as in `contributions`. What the
+    motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
@@ -58,6 +61,11 @@ def within(
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
         found[place] += _between_samples(seen, robot, rate > 0.0).springs(place, said, null[place])
+        pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
+        said = ("pulls", bands[own[0]].group, (HARD, SOFT))
+        if np.any(pull > 0.0):
+            hard = pull > np.median(pull[pull > 0.0])
+            found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
     if not wear.added:
         alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
         for place, own in members.items():

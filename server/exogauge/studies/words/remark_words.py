@@ -208,6 +208,11 @@ FORMS: Mapping[About, Form] = {
         "lags.",
         joined=" and ",
     ),
+    About.PULLS_DISAGREE: Form(
+        _DISAGREE + "What can do it: bands that harden or soften, a strap or an anchor that gives way, a band that "
+        "comes taut gradually.",
+        joined=" and ",
+    ),
     About.SIDES_DISAGREE: Form(
         _DISAGREE + "What can do it: via points that are not where they are stated, bands that are not alike, one that "
         "was put on otherwise, a foot sensor's gain.",

@@ -10,6 +10,7 @@ const CHECK: Record<StiffnessCheck["check"], string> = {
   approaches: "Approaches",
   repetitions: "One log and the others",
   strokes: "Both ways of a motion",
+  pulls: "Hard and soft pulls",
   sides: "Left and right",
 };
 
