@@ -64,6 +64,12 @@ class Supporting:
         "compare it",
         judgement(RULES),
     )
+    misfit: float = criterion(
+        2.0,
+        "1",
+        "variance of what the bands leave, over that without the device, up to which it may be chance",
+        derived("F distribution, 95 %, 25 independent errors in either"),
+    )
     false_alarms: float = criterion(
         0.01,
         "1",

@@ -192,7 +192,7 @@ def identify_bands(
         rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
         notes=(*springs.notes, *(() if approach == "prior" else _not_as_stated(springs, criteria))),
-        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria),
+        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria, sigma, std),
     )
 
 

@@ -218,6 +218,12 @@ FORMS: Mapping[About, Form] = {
         "was put on otherwise, a foot sensor's gain.",
         joined=" and ",
     ),
+    About.SPRINGS_MISFIT: Form(
+        "These springs do not explain what the device does: more is left at {names}, by which the stiffness may be off "
+        "by {0:.3g} N/m, where its doubt is {1:.2g} N/m. What can do it: a strap or an anchor that gives way, bands "
+        "that harden, rub or are slow, via points that are not where they are stated.",
+        joined=" than ",
+    ),
     About.STIFFNESS_OPEN: Form(
         "The doubt is more than half of the value: a motion that stretches this band further would decide."
     ),

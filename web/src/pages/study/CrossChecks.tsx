@@ -12,6 +12,7 @@ const CHECK: Record<StiffnessCheck["check"], string> = {
   strokes: "Both ways of a motion",
   pulls: "Hard and soft pulls",
   sides: "Left and right",
+  misfit: "What springs leave",
 };
 
 /** Parts of the evidence that ought to give one stiffness: which do, and which do not; the worst first. */
