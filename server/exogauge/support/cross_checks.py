@@ -49,7 +49,7 @@ def within(
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, bands that lengthen against the same that shorten, their harder
     half of pulls against the softer, bands of a group against each other, what they leave against what there is
-    without. robot: as in `contributions`. sigma: (D,) [N·m] there; std: (P,) stated of each value. What the motions
+    without. robot: as in `contributions`. sigma: (D,) [N·m] there; std: (W,) stated of each band. What the motions
     cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
@@ -75,7 +75,7 @@ def within(
         excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
         joint, most = _misfit(seen, place, excess)
         between = (logs.names[joint], WITHOUT)
-        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, float(std[place])))
+        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, float(std[own[0]])))
     if not wear.added:
         alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
         for place, own in members.items():

@@ -75,6 +75,11 @@ class Springs:
         stiffness, length = (_as_wide_as(*each) for each in zip(self._by_slopes(k), self.intervals(k), strict=True))
         return stiffness, length
 
+    @property
+    def stated(self) -> Array:
+        """(W,) [N/m] standard deviation of each band's stiffness."""
+        return np.array([self.of(k)[0].std for k in range(len(self.bands))])
+
     def intervals(self, k: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """95 % of stiffness and natural length of one band."""
         stretch = self.seen.setting.wires[k].longest - self.seen.fitted.wear.spring(k)[1]
@@ -192,7 +197,9 @@ def identify_bands(
         rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
         notes=(*springs.notes, *(() if approach == "prior" else _not_as_stated(springs, criteria))),
-        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria, sigma, std),
+        cross_checks=()
+        if approach == "prior"
+        else within(seen, device.bands, springs.of_robot, criteria, sigma, springs.stated),
     )
 
 
@@ -224,7 +231,8 @@ def _not_as_stated(springs: Springs, criteria: Supporting) -> list[Remark]:
 def undecided(plan: Layout, shares: Mapping[str, Array]) -> set[str]:
     """Values doubted by so much that the samples hold nothing of them: a curvature beside which the scale's own is all,
     of which a finite number of any size may be left by rounding."""
-    std = np.sqrt(np.diag(np.sum(list(shares.values()), axis=0)))[: len(plan.names)]
+    variance = np.diag(np.sum(list(shares.values()), axis=0))[: len(plan.names)]
+    std = np.sqrt(np.where(variance >= 0.0, variance, np.inf))  # below: rounding of what is not known
     return {plan.names[place] for place in np.flatnonzero(~(std < plan.scale / np.sqrt(NULL)))}
 
 
