@@ -137,6 +137,37 @@ def test_after_its_time_all_goes_but_its_audit_and_what_it_has_published(
     assert ada.get(f"{V1}/session").json()["account"]["email"] == "ada@example.org"
 
 
+def test_the_command_says_which_closed_labs_would_go_and_then_lets_them_go(
+    people: People,
+    north: dict[str, str],
+    settings: Settings,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What the server does every hour, `exogauge gc` does by hand."""
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", settings.database_url)
+    monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(settings.data_dir))
+    with people.installation.session() as session:
+        close_lab(session, "north", "test")
+    before = rows_of(people, "north")
+
+    def gc(*options: str) -> dict[str, Any]:
+        assert main(["gc", "--json", *options]) == 0
+        told: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return told
+
+    assert gc("--stopped")["closed"] == {"labs": 0, "rows": 0}  # it was closed just now
+    monkeypatch.setenv("EXOGAUGE_LAB_KEPT_DAYS", "0")
+    would_go = gc("--dry-run")["closed"]
+    assert rows_of(people, "north") == before
+    assert would_go == {"labs": 1, "rows": sum(before.values()) - sum(before[name] for name in STAYS)}
+    assert gc("--stopped")["closed"] == would_go
+    assert {name for name, count in rows_of(people, "north").items() if count} == set(STAYS)
+    assert rows_of(people, "south")["studies"] == 1
+    assert not people.installation.blobs.exists(north["own"])
+    assert gc("--dry-run")["closed"] == {"labs": 0, "rows": 0}
+
+
 def test_what_a_lab_that_is_gone_has_published_is_revoked_by_who_runs_the_service(
     people: People, north: dict[str, str], settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -158,7 +189,7 @@ def test_what_a_lab_that_is_gone_has_published_is_revoked_by_who_runs_the_servic
 
 def test_an_open_lab_is_never_removed(people: People, north: dict[str, str]) -> None:
     with people.installation.session() as session:
-        assert remove_lab(session, "north") == 0
+        assert remove_lab(session, "north") is None
         assert due_labs(session, timedelta(0)) == []
     assert rows_of(people, "north")["studies"] == 1
 

@@ -10,10 +10,11 @@ import sqlalchemy as sa
 from sqlalchemy.orm import aliased
 
 from exogauge.errors import NotFound
+from exogauge.storage import bundles, jobs, records, rows
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Installation, Storage
-from exogauge.storage.tables import AuditEntry, Job, Study, StudyFile, utc_now
+from exogauge.storage.tables import OWNERS, Artifact, AuditEntry, Job, Study, StudyFile, utc_now
 from exogauge.storage.uploads import take_expired
 
 
@@ -49,6 +50,41 @@ def test_a_query_that_forgets_the_lab_sees_its_own_lab_alone(
         assert look.scalars(sa.select(Job.id).where(Job.study_id.in_(sa.select(Study.id)))).all()
         assert look.scalars(of_files.union_all(of_files)).all() == [studies["north"]] * 2
         assert sorted(look.scalars(sa.select(Study.id), execution_options=OF_ALL_LABS)) == sorted(studies.values())
+
+
+def test_a_statement_that_is_made_once_sees_the_lab_that_asks(
+    installation: Installation, studies: dict[str, str]
+) -> None:
+    """Each in turn, by the very same statements, also for what the other has."""
+    theirs = dict[str, str]()
+    for lab in studies:
+        with installation.of_lab(lab).transaction() as store:
+            (theirs[lab],) = (job.id for job in store.jobs.page(None, 9).items)
+            sha256 = store.blobs.put(lab.encode())
+            store.session.add(Artifact(job_id=theirs[lab], name="a", sha256=sha256, size=5, media_type="text/plain"))
+    for lab, other in (("north", "south"), ("south", "north"), ("north", "south")):
+        with installation.of_lab(lab).reading() as store:
+            assert [study.id for study in store.studies.page(None, 9).items] == [studies[lab]]
+            assert [job.id for job in store.jobs.page(None, 9, state="queued").items] == [theirs[lab]]
+            assert [study.id for study in store.studies.page(None, 9, state="queued").items] == [studies[lab]]
+            latest = store.jobs.latest("study", list(studies.values()))
+            assert {study: job.id for study, job in latest.items()} == {studies[lab]: theirs[lab]}
+            assert [len(store.studies.files(studies[each])) for each in (lab, other)] == [1, 0]
+            assert [file.job_id for file in store.results.artifacts(theirs[lab])] == [theirs[lab]]
+            for ask, key in (
+                (store.studies.get, studies[other]),
+                (store.jobs.get, theirs[other]),
+                (store.results.artifacts, theirs[other]),
+            ):
+                with pytest.raises(NotFound):
+                    ask(key)
+
+
+def test_every_statement_that_is_made_once_names_its_lab() -> None:
+    made = [rows.newest(records.ListedJobRecord, Job, goes_on) for goes_on in (False, True)]
+    made += [rows.by_id(records.JobRecord, Job), jobs.artifacts_of(), bundles.files_of(StudyFile, "study_id")]
+    made += [jobs.latest_of(noun) for noun in OWNERS]
+    assert all("lab" in statement.compile().params for statement in made)
 
 
 def test_a_change_that_forgets_the_lab_changes_its_own_lab_alone(

@@ -17,8 +17,9 @@ from exogauge.settings import Settings
 from exogauge.storage import keys
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
+from exogauge.storage.jobs import latest_of
 from exogauge.storage.store import Installation, Storage, Store, open_installation
-from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
+from exogauge.storage.tables import OWNERS, AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease, new_id
 
 pytestmark = pytest.mark.usefixtures("without_bytes")
 
@@ -172,6 +173,29 @@ def test_the_latest_job_of_each_study_is_found(storage: Storage) -> None:
         assert store.jobs.page(None, 10, state="queued").items[0].study_id == second
         with pytest.raises(NotFound, match="succeeded yet"):
             store.results.of_study(second)
+
+
+@pytest.mark.parametrize("noun", OWNERS)
+def test_the_newest_job_of_each_is_found_without_reading_all_of_the_lab(storage: Storage, noun: str) -> None:
+    """SQLite took the index by lab for the better one, as long as the query named it."""
+    if storage.engine.dialect.name != "sqlite":
+        pytest.skip("PostgreSQL knows how many rows there are")
+    asked = latest_of(noun).params(lab="local", keys=["a", "b"])
+    words = str(asked.compile(storage.engine, compile_kwargs={"literal_binds": True}))
+    with storage.engine.connect() as connection:
+        steps = [row[3] for row in connection.exec_driver_sql(f"EXPLAIN QUERY PLAN {words}")]
+    assert any(f"ix_jobs_{noun}_id" in step for step in steps)
+    assert not any("lab_id" in step and "jobs" in step for step in steps), steps
+    assert not any(step.startswith("SCAN") for step in steps), steps
+
+
+def test_what_was_added_is_found_before_it_is_kept(storage: Storage) -> None:
+    study = add_study(storage, 1)
+    with storage.transaction() as store:
+        row = Job(id=new_id(), kind="e", study_id=study, request_hash="h", log="words")
+        store.session.add(row)
+        assert store.jobs.get(row.id).log == "words"
+        assert [job.id for job in store.jobs.page(None, 9).items] == [row.id]
 
 
 def test_a_worker_counts_while_its_beat_is_recent(storage: Storage) -> None:

@@ -19,7 +19,7 @@ import time
 from dataclasses import replace
 from typing import final
 
-from sqlalchemy.orm import Session
+from sqlalchemy.engine import Connection
 from starlette._utils import get_route_path
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
@@ -93,23 +93,23 @@ class Access:
     def looked_up(self, scope: Scope, key: str, by_token: bool, *, as_guest: bool = True) -> Caller | None:
         """Whose key it is; its use is noted. as_guest: in the lab that shares what is asked for, if another does."""
         installation: Installation = scope["app"].state.installation
-        with installation.reading() as session:
-            found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
+        with installation.looking() as connection:
+            found = callers.by_token(connection, key) if by_token else callers.by_session(connection, key)
             if found is None:
                 return None
             caller, to_note = found
-            host = self.host(session, caller, scope) if as_guest else None
+            host = self.host(connection, caller, scope) if as_guest else None
         if to_note:
             with contextlib.suppress(Unavailable), installation.session() as session:
                 callers.note(session, caller)
         return caller if host is None else replace(caller, lab_id=host, role="viewer", guest=True)
 
-    def host(self, session: Session, caller: Caller, scope: Scope) -> str | None:
+    def host(self, connection: Connection, caller: Caller, scope: Scope) -> str | None:
         """The other lab as whose viewer this request reads a study that it shares; None: one reads one's own."""
         asked = SHARED.fullmatch(get_route_path(scope)) if scope.get("method") in ("GET", "HEAD") else None
         if asked is None or caller.lab_id is None:
             return None
-        return host_of(session, caller.lab_id, asked["thing"], asked["key"].lower())
+        return host_of(connection, caller.lab_id, asked["thing"], asked["key"].lower())
 
     def still(self, scope: Scope) -> bool:
         """A database that is away ends nothing."""

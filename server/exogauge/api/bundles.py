@@ -43,13 +43,13 @@ def keep(
 
 
 def listed(
-    store: Store, bundles: Bundles[Record], page: Page[Record], answer: type[Answered], of_list: Callable[..., Listed]
+    store: Store, bundles: Bundles[Record], page: Page[Record], answer: type[Answered], of_list: type[Listed]
 ) -> Listed:
     """One page of a list; with the newest job of each, where they have jobs."""
     keys = [record.id for record in page.items] if "latest_job" in answer.model_fields else []
     jobs = store.jobs.latest(bundles.sort.noun, keys) if keys else {}
-    items = [answer.of(record, jobs.get(record.id)) for record in page.items]
-    return of_list(items=items, next_cursor=encoded_cursor(page.after))
+    items = [answer.told(record, jobs.get(record.id)) for record in page.items]
+    return of_list.model_validate({"items": items, "next_cursor": encoded_cursor(page.after)})
 
 
 def shown(store: Store, bundles: Bundles[Record], key: str, answer: type[Answered]) -> Answered:

@@ -82,14 +82,14 @@ async def get_storage(request: Request) -> Storage:
     return storage_of(request)
 
 
-async def get_store(storage: Annotated[Storage, Depends(get_storage)]) -> Store:
+async def get_store(request: Request) -> Store:
     """What an endpoint of `api.routing` reads and writes in one transaction: it has committed before the answer."""
-    return storage.store()
+    return storage_of(request).store()
 
 
-async def get_reader(storage: Annotated[Storage, Depends(get_storage)]) -> Store:
+async def get_reader(request: Request) -> Store:
     """The same for reading only; it never waits for a writer."""
-    return storage.store(readonly=True)
+    return storage_of(request).store(readonly=True)
 
 
 async def decoded_cursor(

@@ -20,7 +20,7 @@ from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
 from exogauge.progress import Stage
-from exogauge.storage.records import JobRecord
+from exogauge.storage.records import JobRecord, ListedJobRecord
 
 router = Router(tags=["jobs"])
 CREATING = threading.Lock()
@@ -115,36 +115,31 @@ class JobOut(Answer):
 
     @classmethod
     def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
-        (answer,) = cls.of_each([job], session)
-        answer.log = job.log if with_log else None
-        return answer
-
-    @classmethod
-    def of_each(cls, jobs: Sequence[JobRecord], session: Session) -> list[Self]:
-        """Without their logs."""
-        places = requests.places(session, jobs)
-        answers: list[Self] = [cls.model_validate({**vars(job), "log": None, "steps": steps_of(job)}) for job in jobs]
-        for job, answer in zip(jobs, answers, strict=True):
-            if (place := places.get(job.id)) is not None:
-                answer.place, answer.ahead = place.words, place.ahead
-            answer.problem = of_failure(job.failure, job.reason)
-            answer.defect = bool((job.failure or {}).get("defect"))
-        return answers
+        (told,) = told_of([job], session)
+        return cls.model_validate({**told, "log": job.log if with_log else None})
 
 
-def steps_of(job: JobRecord) -> list[JobStep]:
-    """Each ends where the next begins, the last with the job."""
-    begun = [datetime.fromisoformat(step["at"]) for step in job.steps or ()]
-    ends = [*begun[1:], job.finished_at]
+def told_of(jobs: Sequence[ListedJobRecord], session: Session) -> list[dict[str, Any]]:
+    """What each of them answers (`JobOut`), but for its log."""
+    places = requests.places(session, jobs)
+    told = []
+    for job in jobs:
+        said = {**vars(job), "log": None, "steps": steps_of(job)}
+        if (place := places.get(job.id)) is not None:
+            said |= {"place": place.words, "ahead": place.ahead}
+        if job.failure is not None:
+            said |= {"problem": of_failure(job.failure, job.reason), "defect": bool(job.failure.get("defect"))}
+        told.append(said)
+    return told
+
+
+def steps_of(job: ListedJobRecord) -> list[dict[str, Any]]:
+    """Each (`JobStep`) ends where the next begins, the last with the job."""
+    steps = job.steps or ()
+    begun = [datetime.fromisoformat(step["at"]) for step in steps]
     return [
-        JobStep(
-            message=step["message"],
-            progress=step["progress"],
-            stage=step.get("stage"),
-            started_at=start,
-            seconds=None if end is None else max((end - start).total_seconds(), 0.0),
-        )
-        for step, start, end in zip(job.steps or (), begun, ends, strict=False)
+        {**step, "started_at": start, "seconds": None if end is None else max((end - start).total_seconds(), 0.0)}
+        for step, start, end in zip(steps, begun, [*begun[1:], job.finished_at], strict=False)
     ]
 
 
@@ -174,7 +169,8 @@ def list_jobs(
     """Newest first."""
     of = {"study_id": study_id, "payload_id": payload_id, "motion_id": motion_id, "plan_id": plan_id}
     page = store.jobs.page(cursor, limit, state=state, **of)
-    return JobList(items=JobOut.of_each(page.items, store.session), next_cursor=encoded_cursor(page.after))
+    items = told_of(page.items, store.session)
+    return JobList.model_validate({"items": items, "next_cursor": encoded_cursor(page.after)})
 
 
 @router.get("/jobs/{job_id}", operation_id="getJob")

@@ -15,7 +15,7 @@ from exogauge.api.results import content_of
 from exogauge.api.routing import Router
 from exogauge.api.shapes import ListOf
 from exogauge.storage.jobs import RESULTS
-from exogauge.storage.records import JobRecord
+from exogauge.storage.records import ListedJobRecord
 
 router = Router(tags=["models"])
 
@@ -55,7 +55,7 @@ def list_model_versions(study_id: Id, store: ReaderDep, cursor: Cursor, limit: L
     return ModelVersionList(items=items, next_cursor=encoded_cursor(page.after))
 
 
-def versions(job: JobRecord, data: str, content: Mapping[str, Any]) -> list[ModelVersionOut]:
+def versions(job: ListedJobRecord, data: str, content: Mapping[str, Any]) -> list[ModelVersionOut]:
     found = content.get("discrepancy") or {}
     lineage, chain = found.get("lineage", []), found.get("chain", [])
     links = chain[len(chain) - len(lineage) :] if len(chain) >= len(lineage) else [{}] * len(lineage)

@@ -25,7 +25,7 @@ from exogauge.api.dependencies import (
     StoreDep,
     encoded_cursor,
 )
-from exogauge.api.jobs import JobOut, QueueDep, located
+from exogauge.api.jobs import JobOut, QueueDep, located, told_of
 from exogauge.api.results import NOT_MODIFIED, file_response
 from exogauge.api.routing import Router
 from exogauge.api.shapes import ArtifactOut, Kept, LatestJob, ListOf, Part
@@ -190,7 +190,8 @@ def list_payload_plans(payload_id: Id, store: ReaderDep, cursor: Cursor, limit: 
     """Newest first; those that are still planned, or failed, have no `found`."""
     store.payloads.get(str(payload_id))
     page = store.jobs.page(cursor, limit, payload_id=str(payload_id), kind=PLANS)
-    items = [plan_of(store, job) for job in JobOut.of_each(page.items, store.session)]
+    jobs = (JobOut.model_validate(told) for told in told_of(page.items, store.session))
+    items = [plan_of(store, job) for job in jobs]
     return PlanList(items=items, next_cursor=encoded_cursor(page.after))
 
 

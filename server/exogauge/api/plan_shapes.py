@@ -7,7 +7,7 @@ from typing import Any, Literal, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part
+from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part, told_of
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.contract import ExciteEntry, Kind, RetargetEntry
 from exogauge.storage.records import LatestJobRecord, PlanRecord
@@ -185,11 +185,8 @@ class MotionPlanOut(Answer):
     @classmethod
     def of(cls, plan: PlanRecord, job: LatestJobRecord | None) -> Self:
         said = {"kind": "retarget", "request": {}, "robot": "", "motion": None, **plan.summary}
-        answer = cls.model_validate(
-            {**vars(plan), **{key: said[key] for key in ("kind", "request", "robot", "motion")}}
-        )
-        answer.latest_job = None if job is None else LatestJob.of(job)
-        return answer
+        asked = {key: said[key] for key in ("kind", "request", "robot", "motion")}
+        return cls.model_validate({**vars(plan), **asked, "latest_job": None if job is None else told_of(job)})
 
 
 @final

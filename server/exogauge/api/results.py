@@ -65,7 +65,7 @@ def get_job_results(job_id: Id, store: ReaderDep, request: Request) -> Response:
 def list_artifacts(job_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> ArtifactList:
     """By name."""
     items, more = part(store.results.artifacts(str(job_id)), lambda each: (each.name,), after, limit)
-    return ArtifactList(items=[ArtifactOut.of(artifact) for artifact in items], next_cursor=more)
+    return ArtifactList.model_validate({"items": [ArtifactOut.told(each) for each in items], "next_cursor": more})
 
 
 @router.get("/jobs/{job_id}/artifacts/{name:path}", operation_id="getArtifact", responses=ANY_FILE)

@@ -42,18 +42,19 @@ class Kept(Answer):
     files: list[FileOut] | None = None
 
     @classmethod
-    def of(cls, record: Any, job: LatestJobRecord | None = None, files: Sequence[PinnedFile] | None = None) -> Self:
-        """record: of the store; job: its newest; files: of one that is asked for, None in a list."""
-        short = files is None and cls.long
-        summary = {key: value for key, value in record.summary.items() if not short or key not in cls.long}
-        return cls.model_validate(
-            {
-                **vars(record),
-                "summary": summary,
-                "latest_job": None if job is None else LatestJob.of(job),
-                "files": None if files is None else [FileOut.model_validate(file) for file in files],
-            }
-        )
+    def told(
+        cls, record: Any, job: LatestJobRecord | None = None, files: Sequence[PinnedFile] | None = None
+    ) -> dict[str, Any]:
+        """What it answers. record: of the store; job: its newest; files: of one that is asked for, None in a list."""
+        said = {**vars(record), "latest_job": None if job is None else told_of(job), "files": files}
+        if files is None and cls.long:
+            said["summary"] = {key: value for key, value in record.summary.items() if key not in cls.long}
+        return said
+
+    @classmethod
+    def of(cls, *told: Any, **more: Any) -> Self:
+        """As `told`."""
+        return cls.model_validate(cls.told(*told, **more))
 
 
 @final
@@ -103,11 +104,10 @@ class LatestJob(Answer):
     started_at: datetime | None
     finished_at: datetime | None
 
-    @classmethod
-    def of(cls, job: LatestJobRecord) -> Self:
-        answer = cls.model_validate(job)
-        answer.problem = of_failure(job.failure, job.reason)
-        return answer
+
+def told_of(job: LatestJobRecord) -> dict[str, Any]:
+    """What it answers (`LatestJob`)."""
+    return {**vars(job), "problem": of_failure(job.failure, job.reason)}
 
 
 @final
@@ -129,10 +129,14 @@ class ArtifactOut(Answer):
     media_type: str
     href: str
 
+    @staticmethod
+    def told(artifact: ArtifactRecord) -> dict[str, Any]:
+        """What it answers."""
+        return {**vars(artifact), "href": f"jobs/{artifact.job_id}/artifacts/{artifact.name}"}
+
     @classmethod
     def of(cls, artifact: ArtifactRecord) -> Self:
-        href = f"jobs/{artifact.job_id}/artifacts/{artifact.name}"
-        return cls.model_validate({**vars(artifact), "href": href})
+        return cls.model_validate(cls.told(artifact))
 
 
 class ListOf(Answer):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import timedelta
 from pathlib import Path
@@ -34,7 +35,9 @@ def add_commands(commands: Commands) -> None:
     gc.add_argument(
         "--stopped", action="store_true", help="no server and no worker runs: nothing is on its way, wait for nothing"
     )
-    gc.add_argument("--dry-run", action="store_true", help="say what goes because it is old, and remove nothing")
+    gc.add_argument(
+        "--dry-run", action="store_true", help="say which closed labs go, and what because it is old; remove nothing"
+    )
     gc.set_defaults(command=sweep_all)
 
     audit = commands.add_parser(
@@ -166,6 +169,7 @@ def check_all(options: argparse.Namespace) -> int:
 
 def sweep_all(options: argparse.Namespace) -> int:
     from exogauge.settings import Settings
+    from exogauge.storage.closing import remove_due
     from exogauge.storage.held_files import YOUNG_S
     from exogauge.storage.migrate import at_newest_or_raise, current
     from exogauge.storage.orphans import WAIT
@@ -176,33 +180,35 @@ def sweep_all(options: argparse.Namespace) -> int:
     settings = Settings()
     at_newest_or_raise(current(settings.database_url))
     installation = open_installation(settings)
+    closed = remove_due(installation, timedelta(days=settings.lab_kept_days), dry=options.dry_run)
     aged = retire(installation, Ages.of(settings), dry=options.dry_run)
     with installation.reading() as session:
         unknown = no_labs(session, settings.studies_kept_days, settings.lab)
     for lab in unknown:
         print(f"EXOGAUGE_STUDIES_KEPT_DAYS names a lab that is not there: {lab}", file=sys.stderr)
     if options.dry_run:
-        found = {"orphans_waiting": waiting(installation), "aged": aged.as_json()}
-        print(json.dumps(found) if options.json else told_as_aged(aged, "would go"))
+        found = {"orphans_waiting": waiting(installation), "closed": closed, "aged": aged.as_json()}
+        print(json.dumps(found) if options.json else told_as_gone(closed, aged, "would go"))
         installation.close()
         return 0
     swept = sweep_installation(installation, timedelta(0) if options.stopped else WAIT)
     swept += sweep_machine(installation, settings, 0.0 if options.stopped else YOUNG_S)
     installation.close()
     if options.json:
-        print(json.dumps({**asdict(swept), "aged": aged.as_json()}))
+        print(json.dumps({**asdict(swept), "closed": closed, "aged": aged.as_json()}))
         return 0
     print(
         f"removed: {swept.blobs} blobs, {swept.incoming} half written, {swept.uploads} uploads, {swept.scratch} folders"
     )
     print(f"         {swept.live} of live streams, {swept.shelves} pictures; {swept.orphans_waiting} blobs wait")
-    print(told_as_aged(aged, "went"))
+    print(told_as_gone(closed, aged, "went"))
     return 0
 
 
-def told_as_aged(aged: Retired, how: str) -> str:
-    """What age alone removes, in words."""
+def told_as_gone(closed: Mapping[str, int], aged: Retired, how: str) -> str:
+    """Closed labs, and what age alone removes, in words."""
     return (
+        f"{closed['labs']} closed labs with {closed['rows']} rows {how}\n"
         f"by age {how}: {aged.studies} studies ({aged.studies_needed} more are needed), {aged.logs} unused logs, "
         f"logs of {aged.job_logs} jobs, {aged.deliveries} deliveries, {aged.keys} keys of requests"
     )

@@ -20,7 +20,7 @@ from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import attended, in_turn
 from exogauge.storage.database import database_now
 from exogauge.storage.quotas import refuse_jobs
-from exogauge.storage.records import JobRecord
+from exogauge.storage.records import JobRecord, ListedJobRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Store
@@ -93,7 +93,7 @@ class Place:
     words: str
 
 
-def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
+def places(session: Session, jobs: Sequence[ListedJobRecord]) -> dict[str, Place]:
     """Job id -> its place among those of all labs, as workers take them, of those that are queued. Two statements,
     however many they are."""
     return places_of(session, [job.id for job in jobs if job.state == "queued"])

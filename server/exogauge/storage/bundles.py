@@ -34,7 +34,7 @@ from exogauge.storage.records import (
     RobotRecord,
     StudyRecord,
 )
-from exogauge.storage.rows import Lab
+from exogauge.storage.rows import KEY, Lab, columns_in, of_lab, once
 from exogauge.storage.tables import Named
 
 Record = TypeVar("Record", bound=BundleRecord)
@@ -114,17 +114,15 @@ class Bundles(Generic[Record]):
     ) -> Page[Record]:
         """search: words that all are found. only: by the sort's filters, where given."""
         wanted = [self.sort.filters[by](self.lab, value) for by, value in only.items() if value is not None]
-        query = self.lab.select(self.sort.table).where(found_by(self.sort.table, search), *wanted)
-        return self.lab.page(self.sort.record, self.sort.table, query, after, limit)
+        words = (holds(self.sort.table, word) for word in folded(search).split())
+        return self.lab.page(self.sort.record, self.sort.table, after, limit, *words, *wanted)
 
     def files(self, key: str) -> tuple[PinnedFile, ...]:
         """Sorted by path."""
-        table = self.sort.files
-        query = self.lab.select(table).where(getattr(table, self.sort.of) == key).order_by(table.path)
-        return tuple(PinnedFile(row.path, row.sha256, row.size) for row in self.lab.session.scalars(query))
+        return tuple(PinnedFile(*row) for row in self.lab.rows(files_of(self.sort.files, self.sort.of), key=key))
 
     def file(self, key: str, path: str) -> PinnedFile:
-        self.get(key)
+        self.lab.must_be(self.sort.table, key, self.sort.noun)
         return file_at(self.files(key), path, f"{self.sort.noun} {key}")
 
     def write_to(self, key: str, folder: Path) -> Record:
@@ -167,6 +165,13 @@ class Bundles(Generic[Record]):
         owner = {"lab_id": self.lab.lab_id, self.sort.of: key}
         made: tables.Base = self.sort.files(**owner, path=file.path, sha256=file.sha256, size=file.size)
         return made
+
+
+@once
+def files_of(table: Any, of: str) -> sa.Select[Any]:
+    """For `Lab.rows`: files of the bundle that is `key`, sorted by path."""
+    columns = columns_in(table)
+    return of_lab(PinnedFile, table).where(columns[of] == KEY).order_by(columns.path)
 
 
 def _with_files_of_robot(lab: Lab, robot_id: str) -> sa.ColumnElement[bool]:
@@ -252,7 +257,7 @@ STUDIES = Sort(
     ("content_hash",),
     versioned=False,
     filters={  # state: of the latest job, `none` where there is none
-        "state": lambda _, state: sa.func.coalesce(latest_state(tables.Study.id), NONE) == state,
+        "state": lambda _, state: sa.func.coalesce(latest_state("study"), NONE) == state,
         "robot_id": _with_files_of_robot,
         "plan_id": _with_motion_of_plan,
     },
@@ -291,14 +296,14 @@ PLANS = Sort(
     filters={
         "robot_id": lambda _, robot_id: tables.Plan.robot_id == robot_id,
         "motion_id": lambda _, motion_id: tables.Plan.motion_id == motion_id,
-        "state": lambda _, state: sa.func.coalesce(latest_state(tables.Plan.id, tables.Job.plan_id), NONE) == state,
+        "state": lambda _, state: sa.func.coalesce(latest_state("plan"), NONE) == state,
     },
     needed_by=lambda lab, plan_id: _jobs_of(lab, tables.Job.plan_id == plan_id),
     beside=(ROBOTS, MOTIONS, STUDIES),
 )
 
 
-KEY = re.compile(r"[0-9a-f-]{6,64}")  # shorter ones would be found in hashes by chance
+BEGINNING = re.compile(r"[0-9a-f-]{6,64}")  # shorter ones would be found in hashes by chance
 
 
 def folded(text: str) -> str:
@@ -317,13 +322,9 @@ def names_in(summary: Mapping[str, Any]) -> Iterator[str]:
     yield from (each["name"] for each in named if isinstance(each.get("name"), str))
 
 
-def found_by(table: type[Named], search: str) -> sa.ColumnElement[bool]:
-    """Every word of `search` stands in the thing's words, or begins its id or content hash."""
-    return sa.and_(sa.true(), *(holds(table, word) for word in folded(search).split()))
-
-
 def holds(table: type[Named], word: str) -> sa.ColumnElement[bool]:
+    """The word stands in the thing's words, or begins its id or content hash."""
     in_words = table.words.contains(word, autoescape=True)
-    if KEY.fullmatch(word) is None:
+    if BEGINNING.fullmatch(word) is None:
         return in_words
     return sa.or_(in_words, table.id.startswith(word), table.content_hash.startswith(word))

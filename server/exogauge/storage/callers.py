@@ -8,6 +8,7 @@ from datetime import timedelta
 from typing import Any, Literal, cast, final
 
 import sqlalchemy as sa
+from sqlalchemy.engine import Connection
 from sqlalchemy.orm import Session
 
 from exogauge.storage.account_tables import Account, ApiToken, LabRow, Membership, SessionRow
@@ -67,10 +68,10 @@ BY_TOKEN = (
 )
 
 
-def by_session(session: Session, key: str) -> tuple[Caller, bool] | None:
+def by_session(connection: Connection, key: str) -> tuple[Caller, bool] | None:
     """And whether its use is to be noted. None: not known, over, or of an account that was disabled."""
     now = utc_now()
-    found = session.execute(BY_SESSION, {"key": hashed(key), "now": now, "idle_since": now - IDLE}).first()
+    found = connection.execute(BY_SESSION, {"key": hashed(key), "now": now, "idle_since": now - IDLE}).first()
     if found is None:
         return None
     row, seen_at, account, lab, kept = found
@@ -79,11 +80,11 @@ def by_session(session: Session, key: str) -> tuple[Caller, bool] | None:
     return caller, now - seen_at > NOTED_EVERY
 
 
-def by_token(session: Session, token: str) -> tuple[Caller, bool] | None:
+def by_token(connection: Connection, token: str) -> tuple[Caller, bool] | None:
     """And whether its use is to be noted. None: not known, revoked, over, or of an account that was disabled or is of
     the lab no more."""
     now = utc_now()
-    found = session.execute(BY_TOKEN, {"key": hashed(token), "now": now}).first()
+    found = connection.execute(BY_TOKEN, {"key": hashed(token), "now": now}).first()
     if found is None:
         return None
     row, used_at, account, lab, scope, of_account = found

@@ -5,6 +5,8 @@ What they published stays, for whoever has cited it, and so does their audit. In
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from datetime import timedelta
 
 import sqlalchemy as sa
@@ -14,8 +16,10 @@ from exogauge.errors import Conflict, NotFound
 from exogauge.storage.account_tables import LabRow, SessionRow
 from exogauge.storage.database import database_now
 from exogauge.storage.records import LabRecord
+from exogauge.storage.retention import Undone, nothing_more
 from exogauge.storage.rows import as_record, record
 from exogauge.storage.secrets import hashed
+from exogauge.storage.store import Installation
 from exogauge.storage.tables import Base, Job
 
 STAYS = ("audit", "publications", "publication_files")
@@ -62,11 +66,31 @@ def due_labs(session: Session, kept: timedelta) -> list[str]:
     return list(session.scalars(sa.select(LabRow.id).where(LabRow.closed_at <= database_now(session) - kept)))
 
 
-def remove_lab(session: Session, key: str) -> int:
-    """All that it has but what stays; its blobs are swept, where nobody else needs them. How many rows went."""
-    lab, gone = session.get(LabRow, key), 0
+def remove_due(
+    installation: Installation, kept: timedelta, still: Callable[[], None] = nothing_more, *, dry: bool = False
+) -> dict[str, int]:
+    """Labs that were closed so long ago, each in a transaction of its own: how many, and how many rows went. Their
+    blobs go with a later sweep. dry: undo each transaction, and so say what would go. still: called before each; raises
+    to stop."""
+    with installation.reading() as session:
+        due = due_labs(session, kept)
+    labs = rows = 0
+    for key in due:
+        still()
+        with suppress(Undone), installation.session() as session:
+            gone = remove_lab(session, key)
+            labs, rows = labs + (gone is not None), rows + (gone or 0)
+            if dry:
+                raise Undone
+    return {"labs": labs, "rows": rows}
+
+
+def remove_lab(session: Session, key: str) -> int | None:
+    """All that it has but what stays; its blobs are swept, where nobody else needs them. How many rows went; None where
+    it is open, or gone already."""
+    lab, gone = session.get(LabRow, key, with_for_update=True), 0
     if lab is None or lab.closed_at is None:
-        return 0
+        return None
     for table in reversed(Base.metadata.sorted_tables):
         if "lab_id" in table.columns and table.name not in STAYS:
             done = session.execute(sa.delete(table).where(table.c.lab_id == key))

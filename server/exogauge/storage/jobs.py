@@ -11,12 +11,11 @@ from datetime import datetime
 from typing import Any, final
 
 import sqlalchemy as sa
-from sqlalchemy.orm import InstrumentedAttribute
 
 from exogauge.errors import NotFound
 from exogauge.storage import tables
-from exogauge.storage.records import ArtifactRecord, JobRecord, LatestJobRecord, Page, ResultRecord
-from exogauge.storage.rows import Lab, as_record, names_of
+from exogauge.storage.records import ArtifactRecord, JobRecord, LatestJobRecord, ListedJobRecord, Page, ResultRecord
+from exogauge.storage.rows import KEY, LAB, Lab, columns_in, names_of, of_lab, once
 from exogauge.storage.tables import Job
 
 ASIDE = ("whatif", "payload_plan")  # kinds that answer a question about a study or a payload and do not evaluate it
@@ -38,36 +37,50 @@ class Jobs:
         kind: str | None = None,
         state: str | None = None,
         **owner: str | None,
-    ) -> Page[JobRecord]:
+    ) -> Page[ListedJobRecord]:
         """owner: `study_id` or another of `tables.OWNERS`, where given."""
-        query = self.lab.select(Job)
-        for column, key in owner.items():
-            if key is not None:
-                query = query.where(getattr(Job, column) == key)
-        if kind is not None:
-            query = query.where(Job.kind == kind)
-        if state is not None:
-            query = query.where(Job.state == state)
-        return self.lab.page(JobRecord, Job, query, after, limit)
+        asked = {"kind": kind, "state": state, **owner}
+        wanted = (getattr(Job, column) == value for column, value in asked.items() if value is not None)
+        return self.lab.page(ListedJobRecord, Job, after, limit, *wanted)
 
     def latest(self, noun: str, keys: Sequence[str]) -> dict[str, LatestJobRecord]:
         """id of one of `tables.OWNERS` -> its newest job that says where it stands."""
-        owner = getattr(Job, f"{noun}_id")
-        rank = sa.func.row_number().over(partition_by=owner, order_by=(Job.created_at.desc(), Job.id.desc()))
-        columns = [getattr(Job, name) for name in names_of(LatestJobRecord)]
-        query = sa.select(owner.label("owner"), *columns, rank.label("rank"))
-        ranked = query.where(Job.lab_id == self.lab.lab_id, owner.in_(keys), Job.kind.not_in(ASIDE)).subquery()
-        newest = self.lab.session.execute(sa.select(ranked).where(ranked.c.rank == 1))
-        return {row[0]: LatestJobRecord(*row[1:-1]) for row in newest}
+        return {row[0]: LatestJobRecord(*row[1:]) for row in self.lab.rows(latest_of(noun), keys=keys)}
 
 
-def latest_state(key: InstrumentedAttribute[str], owner: Any = Job.study_id) -> sa.ScalarSelect[str]:
-    """The state of the newest job of a row, by default a study, as part of a larger query."""
-    mine = sa.select(Job.state).where(owner == key, Job.kind.not_in(ASIDE))
-    return mine.order_by(Job.created_at.desc(), Job.id.desc()).limit(1).scalar_subquery()
+OF: dict[str, Any] = {"study": tables.Study, "payload": tables.Payload, "motion": tables.Motion, "plan": tables.Plan}
+
+
+@once
+def latest_of(noun: str) -> sa.Select[Any]:
+    """For `Lab.rows`: of each of the `keys` its newest job, behind the id of what it is of. The lab of jobs is asked
+    for as no index knows it: SQLite would take that for the better one, and read all of the lab's."""
+    job, owner = columns_in(Job), columns_in(OF[noun])
+    theirs = owner.lab_id == LAB, owner.id.in_(sa.bindparam("keys", expanding=True))
+    columns = [job[name] for name in (f"{noun}_id", *names_of(LatestJobRecord))]
+    mine = job.id.in_(sa.select(_newest(noun, "id")).where(*theirs)), sa.func.coalesce(job.lab_id, "") == LAB
+    return sa.select(*columns).where(*mine)
+
+
+def latest_state(noun: str) -> sa.ScalarSelect[str]:
+    """The state of the newest job of a row of that table, as part of a larger query."""
+    return _newest(noun, "state")
+
+
+def _newest(noun: str, what: str) -> sa.ScalarSelect[str]:
+    job = columns_in(Job)
+    mine = sa.select(job[what]).where(job[f"{noun}_id"] == columns_in(OF[noun]).id, job.kind.not_in(ASIDE))
+    return mine.order_by(job.created_at.desc(), job.id.desc()).limit(1).scalar_subquery()
 
 
 RESULTS = "results.json"
+
+
+@once
+def artifacts_of() -> sa.Select[Any]:
+    """For `Lab.rows`: of the job `key`."""
+    artifact = columns_in(tables.Artifact)
+    return of_lab(ArtifactRecord, tables.Artifact).where(artifact.job_id == KEY).order_by(artifact.name)
 
 
 @final
@@ -112,10 +125,8 @@ class Results:
 
     def artifacts(self, job_id: str) -> tuple[ArtifactRecord, ...]:
         """Sorted by name."""
-        Jobs(self.lab).get(job_id)
-        query = self.lab.select(tables.Artifact).where(tables.Artifact.job_id == job_id)
-        rows = self.lab.session.scalars(query.order_by(tables.Artifact.name))
-        return tuple(as_record(ArtifactRecord, row) for row in rows)
+        self.lab.must_be(Job, job_id, "job")
+        return tuple(ArtifactRecord(*row) for row in self.lab.rows(artifacts_of(), key=job_id))
 
     def artifact(self, job_id: str, name: str) -> ArtifactRecord:
         """By its name in the database; no path is ever made of what a caller asks for."""

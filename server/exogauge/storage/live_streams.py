@@ -55,10 +55,8 @@ class LiveStreams:
     def page(
         self, after: tuple[datetime, str] | None, limit: int, *, payload_id: str | None = None
     ) -> Page[LiveStreamRecord]:
-        query = self.lab.select(LiveStream)
-        if payload_id is not None:
-            query = query.where(LiveStream.payload_id == payload_id)
-        return self.lab.page(LiveStreamRecord, LiveStream, query, after, limit)
+        wanted = () if payload_id is None else (LiveStream.payload_id == payload_id,)
+        return self.lab.page(LiveStreamRecord, LiveStream, after, limit, *wanted)
 
     def count(self, key: str, counts: Counts) -> bool:
         """Say how far an open stream is; False where it is open no more."""

@@ -49,4 +49,4 @@ class Logs:
         self.lab.audit("delete", "log", key, before=found.content_hash)
 
     def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[LogRecord]:
-        return self.lab.page(LogRecord, tables.Log, self.lab.select(tables.Log), after, limit)
+        return self.lab.page(LogRecord, tables.Log, after, limit)

@@ -84,7 +84,7 @@ class Invitations:
     lab: Lab
 
     def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[InvitationRecord]:
-        return self.lab.page(InvitationRecord, Invitation, self.lab.select(Invitation), after, limit)
+        return self.lab.page(InvitationRecord, Invitation, after, limit)
 
     def add(self, email: str, role: str, made_by: str | None) -> tuple[InvitationRecord, str]:
         """And its code, which is kept nowhere. An open one for the same address ends."""
@@ -122,11 +122,11 @@ class Tokens:
         self, after: tuple[datetime, str] | None, limit: int, *, of: str | None = None, robots: bool = True
     ) -> Page[TokenRecord]:
         """Those of the account `of`; without it, those of all. robots: the lab's own, too."""
-        query = self.lab.select(ApiToken)
-        if of is not None:
-            whose = ApiToken.account_id == of
-            query = query.where(sa.or_(whose, ApiToken.account_id.is_(None)) if robots else whose)
-        return self.lab.page(TokenRecord, ApiToken, query, after, limit)
+        if of is None:
+            return self.lab.page(TokenRecord, ApiToken, after, limit)
+        whose = ApiToken.account_id == of
+        wanted = sa.or_(whose, ApiToken.account_id.is_(None)) if robots else whose
+        return self.lab.page(TokenRecord, ApiToken, after, limit, wanted)
 
     def get(self, key: str) -> TokenRecord:
         return self.lab.get(TokenRecord, ApiToken, key, "token")
@@ -162,10 +162,10 @@ class Audit:
 
     def page(self, after: tuple[datetime, str] | None, limit: int, search: str = "") -> Page[AuditRecord]:
         """search: an action, a sort of thing, an id, or a word of what was said."""
-        query, table = self.lab.select(tables.AuditEntry), tables.AuditEntry
+        wanted, table = list[sa.ColumnElement[bool]](), tables.AuditEntry
         for word in search.split():
             inside = (
                 column.icontains(word, autoescape=True) for column in (table.action, table.subject_kind, table.said)
             )
-            query = query.where(sa.or_(*inside, table.subject_id == word, table.actor.endswith(word, autoescape=True)))
-        return self.lab.page(AuditRecord, table, query, after, limit)
+            wanted.append(sa.or_(*inside, table.subject_id == word, table.actor.endswith(word, autoescape=True)))
+        return self.lab.page(AuditRecord, table, after, limit, *wanted)

@@ -38,10 +38,8 @@ class Publications:
     def page(
         self, after: tuple[datetime, str] | None, limit: int, study_id: str | None = None
     ) -> Page[PublicationRecord]:
-        query = self.lab.select(Publication)
-        if study_id is not None:
-            query = query.where(Publication.study_id == study_id)
-        return self.lab.page(PublicationRecord, Publication, query, after, limit)
+        wanted = () if study_id is None else (Publication.study_id == study_id,)
+        return self.lab.page(PublicationRecord, Publication, after, limit, *wanted)
 
     def add(
         self,

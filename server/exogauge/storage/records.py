@@ -124,15 +124,14 @@ class LatestJobRecord:
     finished_at: datetime | None
 
 
-@final
 @dataclass(frozen=True)
-class JobRecord:
+class ListedJobRecord:
     """study_id, payload_id, motion_id, plan_id: one of them is what the job is of. progress: 0..1. reason: why it
     failed.
 
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
-    log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs.
+    lab_id: whose it is; a worker works for all labs.
     requested_code_version: of the server that took the request; code_version: of the worker that took the job.
     crashes: attempts in which its computation died alone. cpu_s: CPU seconds of all attempts."""
 
@@ -162,8 +161,15 @@ class JobRecord:
     started_at: datetime | None
     finished_at: datetime | None
     worker: str | None
-    log: str
     revision: int
+
+
+@final
+@dataclass(frozen=True)
+class JobRecord(ListedJobRecord):
+    """log: the last lines of what the worker said; of all that a job is, the most, so that lists go without."""
+
+    log: str
 
 
 @final

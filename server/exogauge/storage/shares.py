@@ -10,6 +10,7 @@ from datetime import datetime
 from typing import Any, Literal, final
 
 import sqlalchemy as sa
+from sqlalchemy.engine import Connection
 from sqlalchemy.orm import Session
 
 from exogauge.errors import NotFound
@@ -79,10 +80,10 @@ def _host(study: Any) -> sa.Select[Any]:
 HOST = {"studies": _host(_key), "jobs": _host(sa.select(_job.study_id).where(_job.id == _key).scalar_subquery())}
 
 
-def host_of(session: Session, lab_id: str, thing: str, key: str) -> str | None:
-    """Whose study, or job of a study, this is, where that lab lets this one read it. thing: studies or jobs. In a
-    session of all labs."""
-    found: str | None = session.scalar(HOST[thing], {"key": key, "reader": lab_id})
+def host_of(connection: Connection, lab_id: str, thing: str, key: str) -> str | None:
+    """Whose study, or job of a study, this is, where that lab lets this one read it. thing: studies or jobs. Of
+    all labs."""
+    found: str | None = connection.scalar(HOST[thing], {"key": key, "reader": lab_id})
     return found
 
 

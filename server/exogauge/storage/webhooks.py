@@ -55,7 +55,7 @@ class Webhooks:
     lab: Lab
 
     def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[WebhookRecord]:
-        return self.lab.page(WebhookRecord, Webhook, self.lab.select(Webhook), after, limit)
+        return self.lab.page(WebhookRecord, Webhook, after, limit)
 
     def get(self, key: str) -> WebhookRecord:
         return self.lab.get(WebhookRecord, Webhook, key, "webhook")
@@ -87,9 +87,7 @@ class Webhooks:
 
     def deliveries(self, key: str, after: tuple[datetime, str] | None, limit: int) -> Page[DeliveryRecord]:
         self.get(key)
-        return self.lab.page(
-            DeliveryRecord, Delivery, self.lab.select(Delivery).where(Delivery.webhook_id == key), after, limit
-        )
+        return self.lab.page(DeliveryRecord, Delivery, after, limit, Delivery.webhook_id == key)
 
     def tell(self, event: str, data: Mapping[str, Any]) -> None:
         """Whoever wants to know; in the transaction of what happened."""

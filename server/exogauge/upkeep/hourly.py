@@ -17,7 +17,7 @@ from exogauge.errors import ExogaugeError
 from exogauge.settings import Settings
 from exogauge.storage import chores
 from exogauge.storage.checking import check
-from exogauge.storage.closing import due_labs, remove_lab
+from exogauge.storage.closing import remove_due
 from exogauge.storage.retention import Ages, no_labs, retire
 from exogauge.storage.store import Installation
 from exogauge.storage.sweeping import sweep_installation, sweep_machine
@@ -110,15 +110,8 @@ class Housekeeping:
         return retire(self._installation, Ages.of(self._settings), partial(self._still, AGED)).as_json()
 
     def _remove_closed(self) -> dict[str, Any]:
-        """Each lab in a transaction of its own; its blobs go with a later sweep."""
-        with self._installation.reading() as session:
-            due = due_labs(session, timedelta(days=self._settings.lab_kept_days))
-        rows = 0
-        for key in due:
-            self._still(CLOSED)
-            with self._installation.session() as session:
-                rows += remove_lab(session, key)
-        return {"labs": len(due), "rows": rows}
+        kept = timedelta(days=self._settings.lab_kept_days)
+        return remove_due(self._installation, kept, partial(self._still, CLOSED))
 
     def _check(self) -> dict[str, Any]:
         """A part of the blobs, another every hour."""
