@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
 from typing import Any
 
@@ -17,6 +19,7 @@ from tests.api.people import ORIGIN, People
 
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
+from exogauge.storage.records import PublishedFile
 from exogauge.storage.sweeping import sweep_installation
 from exogauge.storage.tables import Artifact, Job, Publication, Result, utc_now
 
@@ -100,6 +103,46 @@ def test_anybody_reads_what_was_published_and_can_check_every_byte(publish: Publ
     assert nobody.get(f"{V1}/published/0000000000").status_code == 404
     assert nobody.get(f"{V1}/publications").status_code == 401
     assert nobody.post(f"{V1}/publications/{made['id']}/revoke", json={"reason": "x"}).status_code == 401
+
+
+def test_the_same_again_is_what_stands(publish: Publish, ada: TestClient, people: People, study: str) -> None:
+    def again(**more: Any) -> tuple[int, str]:
+        answer = ada.post(f"{V1}/studies/{study}/publications", json=ABOUT | more)
+        return answer.status_code, answer.json()["id"]
+
+    first = publish()["id"]
+    assert again() == (200, first)
+    assert again(creators=[ABOUT["creators"][0], {"name": "Bob", "orcid": None}]) == (200, first)  # said otherwise
+    others = [publish(inputs=True)["id"], publish(title="Another")["id"], publish(keywords=[])["id"]]
+    assert len({first, *others}) == 4
+    second = publish(follows=first)["id"]  # a version of its own, though it says the same
+    assert (again(follows=first), again(follows=second), again()) == ((200, second), (200, second), (200, first))
+    with people.installation.of_lab("north").reading() as store:
+        told = [each.subject_id for each in store.audit.page(None, 100, "publish").items]
+    assert sorted(told) == sorted([first, second, *others])  # nothing happened again
+    assert ada.post(f"{V1}/publications/{first}/revoke", json={"reason": "wrong"}).status_code == 200
+    status, anew = again()
+    assert (status, anew in (first, second)) == (201, False)
+
+
+def test_two_that_publish_the_same_at_once_have_one(people: People, study: str) -> None:
+    storage, together = people.installation.of_lab("north"), threading.Barrier(2)
+    with storage.reading() as store:
+        job = store.results.of_study(study).job_id
+        files = [
+            PublishedFile(f"results/{each.name}", each.sha256, each.size, each.media_type)
+            for each in store.results.artifacts(job)
+        ]
+
+    def ask() -> str:
+        together.wait()
+        with storage.transaction() as store:
+            stands = store.publications.standing(study, job, files, ABOUT)
+            return (stands or store.publications.add(study, job, files, ABOUT)).id
+
+    with ThreadPoolExecutor(2) as pool:
+        first, other = (each.result() for each in [pool.submit(ask), pool.submit(ask)])
+    assert first == other
 
 
 def test_inputs_are_published_where_that_is_asked_for(publish: Publish, nobody: TestClient) -> None:

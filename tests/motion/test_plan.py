@@ -22,6 +22,7 @@ from scipy.spatial.transform import Rotation
 from exogauge.cli import main
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadInput, BadMotion, BadRobot
+from exogauge.motion.contract import RetargetEntry
 from exogauge.motion.files import open_motion
 from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
@@ -38,7 +39,7 @@ from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
 from exogauge.motion.plan.written import Written, read_written
-from exogauge.motion.retargeting import with_margin
+from exogauge.motion.retargeting import again, with_margin
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
 from exogauge.robots.moving.standing import base_on, standing
@@ -436,7 +437,7 @@ def test_nothing_is_planned_for_a_robot_that_cannot_stand_at_home(robot: MotionR
     assert "at home" in judged.broken[0]
     still = Person("still", np.arange(2.0), np.zeros((2, 3)), np.tile(np.eye(3), (2, 1, 1)),
                    np.tile(np.eye(3), (2, 1, 1)), {}, 0.8)  # fmt: skip
-    assert what_would_do(weak(robot, 0.01), still) is None
+    assert what_would_do(weak(robot, 0.01), USUAL, again(weak(robot, 0.01), still, RetargetEntry())) is None
 
 
 def test_where_the_feet_carry_next_to_nothing_no_centre_of_pressure_is_told(robot: MotionRobot) -> None:

@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Annotated, Any, Literal, Self, final
 from uuid import UUID
 
-from fastapi import Query
+from fastapi import Query, Response
 from pydantic import BaseModel, Field, StringConstraints
 
 from exogauge.api.datacite import link
@@ -111,9 +111,17 @@ class Revocation(BaseModel):
     reason: Reason
 
 
-@router.post("/studies/{study_id}/publications", operation_id="publish", status_code=201)
-def publish(study_id: Id, wanted: NewPublication, store: StoreDep, address: PublicAddress) -> PublicationOut:
-    """For everybody, at once, without a login. It stays as it is when the study is deleted."""
+@router.post(
+    "/studies/{study_id}/publications",
+    operation_id="publish",
+    status_code=201,
+    responses={200: {"model": PublicationOut, "description": "The same is published already"}},
+)
+def publish(
+    study_id: Id, wanted: NewPublication, store: StoreDep, address: PublicAddress, response: Response
+) -> PublicationOut:
+    """For everybody, at once, without a login. It stays as it is when the study is deleted. The same asked for again is
+    what stands, unless it was revoked."""
     key = str(study_id)
     store.studies.get(key)
     job_id = store.results.of_study(key).job_id if wanted.job_id is None else str(wanted.job_id)
@@ -121,9 +129,12 @@ def publish(study_id: Id, wanted: NewPublication, store: StoreDep, address: Publ
     if store.jobs.get(job_id).study_id != key:
         raise NotFound(f"the study has no job {job_id}")
     files = files_of(store, key, job_id, wanted.inputs)
-    store.refuse_bytes(sum(file.size for file in files))
     about = wanted.model_dump(include=set(About.model_fields))
     follows = None if wanted.follows is None else str(wanted.follows)
+    if (stands := store.publications.standing(key, job_id, files, about, follows)) is not None:
+        response.status_code = 200
+        return PublicationOut.of(stands, address)
+    store.refuse_bytes(sum(file.size for file in files))
     made = PublicationOut.of(store.publications.add(key, job_id, files, about, follows), address)
     store.webhooks.tell("publication.published", told(made))
     return made

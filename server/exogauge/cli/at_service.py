@@ -249,7 +249,7 @@ def share_study(options: argparse.Namespace) -> int:
 
 def waited(client: Client, job: Job, timeout_s: float | None) -> Job:
     """The job, ended. Raises NotNow after `timeout_s`, ClientProblem where there is no such job."""
-    from exogauge.client.transport import ClientProblem
+    from exogauge.client.problems import ClientProblem
 
     try:
         return client.wait(job, timeout_s=timeout_s)
@@ -265,7 +265,7 @@ def waited(client: Client, job: Job, timeout_s: float | None) -> Job:
 
 def told(job: Job) -> int:
     """Say why a job did not succeed, and end as that asks for."""
-    from exogauge.client.transport import problem_of_job
+    from exogauge.client.problems import problem_of_job
 
     if job.state == "succeeded":
         return 0

@@ -22,7 +22,7 @@ def refuse_what_is_there(folder: Path, force: bool) -> None:
 def ending_of(error: ExogaugeError) -> int:
     """3: a service does not answer, or has not ended: the same command later goes on. 4: it lets this caller not do it.
     2: what was handed in, or the installation, is not usable."""
-    from exogauge.client.transport import ClientProblem
+    from exogauge.client.problems import ClientProblem
 
     if not isinstance(error, ClientProblem):
         return BAD_INPUT

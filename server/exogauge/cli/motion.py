@@ -265,9 +265,10 @@ def retarget_motion(args: argparse.Namespace) -> int:
         said["frame by frame"] = frame_by_frame_words(found.alone[1])
     if (could := found.could) is not None:
         said["would do"] = (
-            (f"{could.slower:.2f} times the time" if could.slower else f"not {USUAL.slowest:g} times the time")
-            + (f", or {100 * could.share:.0f} % of the trunk's angle" if could.share is not None
-               else ", nor with the trunk still")
+            (f"{could.slower:.2f} times the time (--slow {could.slower * wanted.slow:g})" if could.slower
+             else f"not {USUAL.slowest:g} times the time")
+            + (f", or {100 * could.share:.0f} % of the trunk's angle (--share {could.share * wanted.share:g})"
+               if could.share is not None else ", nor with the trunk still")
         )  # fmt: skip
     return _written(args, robot, found.planned.spline, found.judged, said)
 

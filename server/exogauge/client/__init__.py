@@ -7,8 +7,8 @@
 """
 
 from exogauge.client.client import Client
+from exogauge.client.problems import ClientProblem
 from exogauge.client.things import Artifact, Device, Job, Log, Motion, Payload, Plan, Robot, Study, WhatIf
-from exogauge.client.transport import ClientProblem
 
 __all__ = [
     "Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Motion", "Payload", "Plan", "Robot", "Study",

@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 import httpx
 
+from exogauge.client.problems import ClientProblem, NotNow, problem_of_job
 from exogauge.client.things import (
     Artifact,
     Device,
@@ -26,7 +27,7 @@ from exogauge.client.things import (
     thing,
 )
 from exogauge.client.tokens import token_for
-from exogauge.client.transport import ClientProblem, NotNow, Transport, has, problem_of_job
+from exogauge.client.transport import Transport, has
 from exogauge.client.uploading import send, send_described, send_logs
 from exogauge.terminal import bar
 
@@ -320,10 +321,6 @@ class Client:
         """
         body = {"title": title, "creators": [dict(each) for each in creators], "inputs": inputs} | about
         earlier = {} if follows is None else {"follows": id_of(follows)}
-        job = str(about.get("job_id") or self.evaluated(self.study(study)).id)
-        for each in self._items("publications", {"study_id": id_of(study)}):
-            if says_the_same(each, body | {"job_id": job}, follows is None):
-                return thing(Publication, each)
         return thing(Publication, self._http.post(f"studies/{id_of(study)}/publications", body | earlier))
 
     def publications(self, study: Study | str | None = None) -> Iterator[Publication]:
@@ -496,17 +493,3 @@ def below(folder: Path, name: str) -> Path:
     if not target.is_relative_to(folder.resolve()):
         raise ClientProblem(0, "the service names a file outside the folder", name)
     return target
-
-
-def says_the_same(published: Mapping[str, Any], wanted: Mapping[str, Any], first: bool) -> bool:
-    """Whether what is asked for is published already. first: no earlier version is named."""
-    bare = {key: value for key, value in wanted.items() if key not in ("inputs", "creators")}
-    creators = [{"orcid": None, "affiliation": None, **each} for each in wanted["creators"]]
-    with_inputs = any(str(file["path"]).startswith("study/") for file in published["files"])
-    same = all(published.get(key) == value for key, value in bare.items()) and published["creators"] == creators
-    return (
-        same
-        and with_inputs == wanted["inputs"]
-        and (published["version"] == 1) == first
-        and not published["revoked_at"]
-    )

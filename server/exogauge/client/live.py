@@ -15,7 +15,7 @@ from urllib.parse import urlencode, urlsplit, urlunsplit
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exogauge.client.transport import ClientProblem
+from exogauge.client.problems import ClientProblem
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection

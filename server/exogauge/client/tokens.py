@@ -11,7 +11,8 @@ from urllib.parse import urlsplit
 
 import httpx
 
-from exogauge.client.transport import ClientProblem, NotNow, document, problem_of
+from exogauge.client.problems import ClientProblem, NotNow, problem_of
+from exogauge.client.transport import document
 from exogauge.errors import BadInput, Fault
 
 VARIABLE = "EXOGAUGE_TOKEN"

@@ -18,7 +18,8 @@ from typing import Any
 import httpx
 import yaml
 
-from exogauge.client.transport import BUSY, ClientProblem, NotNow, Transport, digest, foreign, problem_of
+from exogauge.client.problems import BUSY, ClientProblem, NotNow, foreign, problem_of
+from exogauge.client.transport import Transport, digest
 from exogauge.errors import BadStudy, Fault
 from exogauge.terminal import bar
 

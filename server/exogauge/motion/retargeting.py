@@ -16,7 +16,7 @@ from exogauge.motion.person import Person, person_of, person_of_fit
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.frame_by_frame import frame_by_frame
 from exogauge.motion.plan.judge import Judged
-from exogauge.motion.plan.possible import Possible, Tried, what_would_do
+from exogauge.motion.plan.possible import Again, Possible, Tried, paced, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import Planned, Report
 from exogauge.motion.plan.within import plan_within
@@ -48,6 +48,22 @@ def with_margin(margin_m: float) -> MotionPlan:
     return replace(USUAL, margin_m=margin_m, inside_m=max(margin_m - (USUAL.margin_m - USUAL.inside_m), 0.0))
 
 
+def criteria_of(wanted: RetargetEntry) -> MotionPlan:
+    """What decides when that is planned."""
+    return paced(with_margin(wanted.margin_m), wanted.slow)
+
+
+def again(robot: MotionRobot, person: Person, wanted: RetargetEntry) -> Again:
+    """For the search of what would do: what `retargeted` plans where that is asked for."""
+
+    def asked_of(slower: float, share: float) -> tuple[Asked, MotionPlan]:
+        other = wanted.model_copy(update={"slow": slower * wanted.slow, "share": share * wanted.share})
+        criteria = criteria_of(other)
+        return ask(robot, changed(person, other), criteria)[0], criteria
+
+    return asked_of
+
+
 def person_in(motion: HumanMotion, static: HumanMotion | None) -> Person:
     """Of a skeleton as it is, of markers by a body that is fitted to them. Raises BadMotion."""
     return person_of(motion) if motion.markers is None else person_of_fit(fit_human(motion, static), motion.contacts)
@@ -67,10 +83,12 @@ def retargeted(
     robot: MotionRobot, person: Person, wanted: RetargetEntry, report: Report | None = None, tried: Tried | None = None
 ) -> Retargeted:
     """person: as captured. Raises BadMotion, BadRobot."""
-    person = changed(person, wanted)
-    criteria = with_margin(wanted.margin_m)
-    asked, missed = ask(robot, person, criteria)
+    own, criteria = changed(person, wanted), criteria_of(wanted)
+    asked, missed = ask(robot, own, criteria)
     planned, judged = plan_within(robot, asked, criteria, report, wanted.rate_hz)
-    could = what_would_do(robot, person, criteria, tried) if judged.broken and wanted.what_would_do else None
+
+    could = None
+    if judged.broken and wanted.what_would_do:
+        could = what_would_do(robot, criteria, again(robot, person, wanted), wanted.rate_hz, tried)
     alone = frame_by_frame(robot, asked, criteria, wanted.rate_hz) if planned.rounds else None
-    return Retargeted(robot, person, asked, missed, planned, judged, could, alone)
+    return Retargeted(robot, own, asked, missed, planned, judged, could, alone)

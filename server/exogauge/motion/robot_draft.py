@@ -145,19 +145,38 @@ class _Look:
             home[name] = float(np.clip(0.0, low[k] + inside, high[k] - inside)) if not low[k] < 0.0 < high[k] else 0.0
         bent = [self._bent(foot) for foot in self.feet]
         if lost := [foot for foot, found in zip(self.feet, bent, strict=True) if found is None]:
-            told.append(f"# ! home: within the joints' limits no knee goes ahead above a flat {lost[0]}, z up; "
-                        "look at the limits of the legs, and give their joints by hand")  # fmt: skip
+            told += [self._why(foot) for foot in lost]
         else:
             home |= {name: angle for found in bent if found is not None for name, angle in found.items()}
             told.append("# ? home: on bent knees")
         told.append("# ? home: arms at zero, or as near as they may be; put them beside the body where they stand out")
         return {name: round(value, 3) for name, value in home.items() if abs(value) > 1e-3}
 
-    def _bent(self, foot: str) -> dict[str, float] | None:
-        """Of the two ways in which a leg bends, the one whose knee goes ahead."""
+    def _why(self, foot: str) -> str:
+        """Which joints' limits keep the leg from bending, and what it takes of them."""
+        limits, takes = self._limits(foot), self._bent(foot, free=True) or {}
+        beyond = [f"{name} takes {takes[name]:.2f} rad, its limit is {low:.4g} to {high:.4g}"
+                  for name, (low, high) in limits.items() if name in takes and not low <= takes[name] <= high
+                  ]  # fmt: skip
+        if not beyond:
+            return (f"# ! home: within the joints' limits no knee goes ahead above a flat {foot}, z up; look at the "
+                    "limits of the legs, and give their joints by hand")  # fmt: skip
+        return (f"# ! home: no knee goes ahead above a flat {foot}: {'; '.join(beyond)}. Where that is not the "
+                "joint's, correct its <limit> in the URDF, whose limits count; else give `home` by hand")  # fmt: skip
+
+    def _limits(self, foot: str) -> dict[str, tuple[float, float]]:
+        """Of the joints of its leg [rad]."""
+        model, joints = self.model, self.chain(self.frame(foot).parentJoint)
+        at = [model.joints[k].idx_q for k in joints]
+        ends = zip(model.lowerPositionLimit[at].tolist(), model.upperPositionLimit[at].tolist(), strict=True)
+        return dict(zip((str(model.names[k]) for k in joints), ends, strict=True))
+
+    def _bent(self, foot: str, *, free: bool = False) -> dict[str, float] | None:
+        """Of the two ways in which a leg bends, the one whose knee goes ahead. free: as if no joint had limits."""
         joints = self.chain(self.frame(foot).parentJoint)
         at = [self.model.joints[k].idx_q for k in joints]
-        low, high = self.model.lowerPositionLimit[at], self.model.upperPositionLimit[at]
+        low, high = np.array(list(self._limits(foot).values())).T if not free else np.full((2, len(at)), np.pi)
+        low = -high if free else low
         goal, hip = self.place(foot).copy(), self.data.oMi[joints[0]].translation.copy()
         leg = float(hip[2] - goal.translation[2])
         if leg < USUAL.hangs * np.linalg.norm(goal.translation - hip):

@@ -6,6 +6,7 @@ nothing else needs of them; what it was, with the hash of every file, stays for 
 
 from __future__ import annotations
 
+import json
 import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -21,9 +22,10 @@ from exogauge.storage.account_tables import LabRow
 from exogauge.storage.files import PinnedFile, content_hash
 from exogauge.storage.records import Page, PublicationRecord, PublishedFile
 from exogauge.storage.rows import Lab, as_record
-from exogauge.storage.tables import Publication, PublicationFile, new_id, utc_now
+from exogauge.storage.tables import Publication, PublicationFile, Study, new_id, utc_now
 
 LETTERS = "0123456789abcdefghjkmnpqrstvwxyz"  # of base 32 as Crockford wrote it down: none looks like another
+NEWEST_FIRST = Publication.created_at.desc(), Publication.id.desc()
 KEY = 10  # letters: 50 bits, so that no two are alike
 
 
@@ -40,6 +42,31 @@ class Publications:
     ) -> Page[PublicationRecord]:
         wanted = () if study_id is None else (Publication.study_id == study_id,)
         return self.lab.page(PublicationRecord, Publication, after, limit, *wanted)
+
+    def standing(
+        self,
+        study_id: str,
+        job_id: str,
+        files: Sequence[PublishedFile],
+        about: Mapping[str, Any],
+        follows: str | None = None,
+    ) -> PublicationRecord | None:
+        """The newest that says the same and was not revoked: these files of this job, about them the same; follows: as
+        a later version of that one, else as a first. Until the transaction ends nobody else publishes of the study."""
+        mine = Study.lab_id == self.lab.lab_id, Study.id == study_id
+        self.lab.session.execute(sa.select(Study.id).where(*mine).with_for_update())
+        same = (
+            Publication.study_id == study_id,
+            Publication.job_id == job_id,
+            Publication.content_hash == hash_of(files),
+            Publication.revoked_at.is_(None),
+            Publication.version == 1
+            if follows is None
+            else sa.and_(Publication.series_id == self.get(follows).series_id, Publication.version > 1),
+        )
+        said = json.loads(json.dumps(dict(about)))  # as a row keeps it
+        rows = self.lab.session.scalars(self.lab.select(Publication).where(*same).order_by(*NEWEST_FIRST))
+        return next((as_record(PublicationRecord, row) for row in rows if row.about == said), None)
 
     def add(
         self,
@@ -59,7 +86,7 @@ class Publications:
         row = Publication(
             id=key, lab_id=self.lab.lab_id, key="".join(secrets.choice(LETTERS) for _ in range(KEY)),
             series_id=series or key, version=version, study_id=study_id, job_id=job_id,
-            content_hash=content_hash(PinnedFile(file.path, file.sha256, file.size) for file in files),
+            content_hash=hash_of(files),
             manifest=[asdict(file) for file in files], about=dict(about), lab_name=self._lab_name(),
         )  # fmt: skip
         try:
@@ -94,6 +121,11 @@ class Publications:
     def _lab_name(self) -> str:
         named = sa.select(LabRow.name).where(LabRow.id == self.lab.lab_id)
         return self.lab.session.scalar(named) or self.lab.lab_id
+
+
+def hash_of(files: Sequence[PublishedFile]) -> str:
+    """Over their paths and hashes."""
+    return content_hash(PinnedFile(file.path, file.sha256, file.size) for file in files)
 
 
 def published(session: Session, key: str) -> PublicationRecord:

@@ -8,10 +8,8 @@ from typing import final
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion
-from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import at_home
-from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
@@ -29,48 +27,57 @@ class Possible:
     share: float | None
 
 
+Again = Callable[[float, float], tuple[Asked, MotionPlan]]
+"""What is planned where the same is asked in so many times the time, with that share of the trunk's angle."""
+
+
+def paced(criteria: MotionPlan, slow: float) -> MotionPlan:
+    """A motion that takes `slow` times the time has its nodes as much further apart, as many for the same way; what
+    lies between them is judged. So it costs no more, and is planned alike whoever asks for it."""
+    k = max(slow, 1.0)
+    return replace(criteria, nodes_per_s=criteria.nodes_per_s / k, stretch_s=k * criteria.stretch_s,
+                   ahead_s=k * criteria.ahead_s)  # fmt: skip
+
+
 def what_would_do(
-    robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
+    robot: MotionRobot, criteria: MotionPlan, again: Again, rate: float | None = None, tried: Tried | None = None
 ) -> Possible | None:
-    """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. What is
-    slower has its nodes as much further apart, as many for the same way; what lies between them is judged. Each begins
-    at home, at rest: what is lacking there none can have, and another home is what would do: None then."""
+    """Both by bisection, each step the very plan that comes of asking for it, but that it ends where its first stretch
+    exceeds a bound. rate: [Hz] at which it is judged. Each begins at home, at rest: what is lacking there none can
+    have, and another home is what would do: None then."""
     if at_home(robot, criteria).lacks:
         return None
 
-    def paced(k: float) -> MotionPlan:
-        return replace(criteria, nodes_per_s=criteria.nodes_per_s / k, stretch_s=k * criteria.stretch_s,
-                       ahead_s=k * criteria.ahead_s)  # fmt: skip
-
-    def holds(what: str, value: float, changed: Person, own: MotionPlan) -> bool:
-        asked, _ = ask(robot, changed, own)
-        found = kept(robot, asked, own)
+    def holds(what: str, value: float, asked: Asked, own: MotionPlan) -> bool:
+        found = kept(robot, asked, own, rate)
         if tried is not None:
             tried(what, value, len(asked.q), found)
         return found
 
-    slower = nearest(lambda k: holds("slower", k, person.slowed(k), paced(k)), 1.0, criteria.slowest, criteria.within)
-    share = nearest(lambda k: holds("share", k, person.trunk_share(k), criteria), 1.0, 0.0, criteria.within)
+    slower = nearest(lambda k: holds("slower", k, *again(k, 1.0)), 1.0, criteria.slowest, criteria.within)
+    share = nearest(lambda k: holds("share", k, *again(1.0, k)), 1.0, 0.0, criteria.within)
     return Possible(slower, share)
 
 
-def kept(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL) -> bool:
+def kept(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None) -> bool:
     """Whether what is asked can be planned within every bound."""
     try:
         _, judged = plan_within(
-            robot, asked, criteria, stop=lambda made: bool(made.unsettled) or made.excess.max() > criteria.over
-        )
+            robot, asked, criteria, rate=rate,
+            stop=lambda made: bool(made.unsettled) or made.excess.max() > criteria.over,
+        )  # fmt: skip
     except BadMotion:
         return False
     return not judged.broken
 
 
 def nearest(holds: Callable[[float], bool], wanted: float, safe: float, within: float) -> float | None:
-    """The value nearest to `wanted`, where it does not hold, at which it does, found between there and `safe`."""
+    """The value nearest to `wanted`, where it does not hold, at which it does, found between there and `safe`: what is
+    tried has two decimals, as it is told with no more."""
     if not holds(safe):
         return None
     while abs(safe - wanted) > within:
-        middle = 0.5 * (safe + wanted)
+        middle = round(0.5 * (safe + wanted), 2)
         if holds(middle):
             safe = middle
         else:

@@ -78,8 +78,8 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> Mot
     posture = np.array([entry.home.get(name, 0.0) for name in joints])
     for name, value, low, high in zip(joints, posture, limits.lower, limits.upper, strict=True):
         if not low <= value <= high:
-            raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", "Give a posture within the limits",
-                        f"home.{name}", f"{value:g}")  # fmt: skip
+            advice = "Give a posture within the limits; where they are not the joint's, correct its <limit> in the URDF"
+            raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", advice, f"home.{name}", f"{value:g}")
     soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
     segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
     shapes, shapeless = shapes_of(urdf, entry.collision.shapes, mesh_opener(path.parent))
