@@ -15,7 +15,7 @@ from exogauge.errors import BadLog
 from exogauge.logs.mapping import read_mapped
 from exogauge.settings import Settings
 from exogauge.storage import migrate
-from exogauge.studies.intake.mapping_file import load_mapping
+from exogauge.studies.intake.mapping_file import parse_mapping
 from exogauge.terminal import text_table
 
 
@@ -69,7 +69,7 @@ def test_a_mapping_is_drafted_and_reads_the_files_once_what_is_open_is_said(tmp_
     (tmp_path / "run.csv").rename(tmp_path / "another.csv")  # the robot's next log is called otherwise
 
     def read():
-        mapping = load_mapping(tmp_path / "mapping.yaml")
+        mapping = parse_mapping((tmp_path / "mapping.yaml").read_bytes(), "mapping.yaml")
         paths = {"another.csv": tmp_path / "another.csv"}
         return read_mapped(paths, mapping, joints=["elbow"], motor_from_joint=None, name="run")
 

@@ -1,5 +1,7 @@
 """A candidate scored in sums is a candidate fitted beside the whole baseline."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -33,9 +35,8 @@ def scored(case):
         site = AxisSite(axis)
         candidate, sums = Candidate(shaped_effects()[name], site, shape), Sums()
         for prepared in logs:
-            sums.take(
-                model.equations, prepared, x, {site: columns_of([candidate], site.see(model, prepared), prepared, 1)}
-            )
+            columns = partial(columns_of, [candidate], site.see(model, prepared), prepared, 1)
+            sums.take(model.equations, prepared, x, {site: columns})
         return score(baseline, candidate, sums.by_site[site])
 
     return of
@@ -215,7 +216,9 @@ def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itsel
         sums, columns = Sums(), columns_of(every, site.see(model, prepared), prepared, 1)
         assert columns.different.shape[1] == (effect.shapes[0].low <= number) * len(effect.coefficients)
         assert columns.every.shape[1] == len(every) * len(effect.coefficients)
-        sums.take(model.equations, prepared, x, {site: columns})
+        sums.take(
+            model.equations, prepared, x, {site: partial(columns_of, every, site.see(model, prepared), prepared, 1)}
+        )
         whole = KindSums.empty(columns.every.shape[1], len(model.equations.columns()[kind]))
         for _, chunks in model.equations.rows(prepared, x):
             for chunk in chunks:

@@ -14,7 +14,7 @@ from tests.real.recordings.ur10 import BAG, FILES, JOINTS, RECORDING, joint_stat
 from exogauge.logs.mapping import read_mapped
 from exogauge.studies.import_log.column_words import Wearer
 from exogauge.studies.import_log.log_preview import preview
-from exogauge.studies.intake.mapping_file import load_mapping
+from exogauge.studies.intake.mapping_file import parse_mapping
 
 pytestmark = pytest.mark.slow
 
@@ -50,7 +50,7 @@ def test_the_bag_itself_is_read_as_the_drafted_mapping_says(recording: Callable[
     folder = recording("ur10_rosbag2", (BAG, name))
     drafted = preview(folder / name, name, Wearer())["proposal"]
     (folder / "mapping.yaml").write_text(yaml.safe_dump(drafted))
-    mapping = load_mapping(folder / "mapping.yaml")
+    mapping = parse_mapping((folder / "mapping.yaml").read_bytes(), "mapping.yaml")
     joints = [joint.removesuffix("_joint") for joint in JOINTS]
     log = read_mapped({name: folder / name}, mapping, joints=joints, motor_from_joint=None, name="ur10")
     written = joint_states(folder / BAG)

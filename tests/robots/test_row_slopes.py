@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.robots.kinematics import Kinematics
+from exogauge.robots.kinematics import Kinematics, subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import regressor
-from exogauge.robots.row_slopes import MotionSlopes, WeightedRow, joint_row, row_slopes
+from exogauge.robots.row_slopes import MotionSlopes, WeightedRow, row_slopes
 from exogauge.robots.tree import RigidTree
 
 STEP = 1e-5
@@ -26,8 +26,9 @@ def weighted(tree: RigidTree, motion: Motion, G: np.ndarray) -> MotionSlopes:
         axis[:, k] = 1.0
         rows.append(WeightedRow(axis, -1, every, np.moveaxis(G[:, k], 0, 1)))
     for joint in range(len(tree.joints)):
-        one = joint_row(kinematics, sweep, joint, np.zeros((0, 0, 10)))
-        rows.append(replace(one, phi=np.moveaxis(G[:, base + joint][:, one.bodies], 0, 1)))
+        body = int(np.flatnonzero(tree.dof == joint)[0])
+        carried = np.flatnonzero(subtree(tree)[body])
+        rows.append(WeightedRow(sweep.S[body].T, body, carried, np.moveaxis(G[:, base + joint][:, carried], 0, 1)))
     return row_slopes(kinematics, motion, sweep, rows)
 
 

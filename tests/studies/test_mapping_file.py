@@ -13,7 +13,7 @@ from exogauge.errors import BadStudy, Fault
 from exogauge.logs.mapping import read_mapped
 from exogauge.logs.mapping_rules import LogMapping, Values, Vector, Wrench
 from exogauge.logs.units import UNITS
-from exogauge.studies.intake.mapping_file import load_mapping, parse_mapping
+from exogauge.studies.intake.mapping_file import parse_mapping
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "../shared/data"
@@ -50,7 +50,7 @@ def recording(*parts: str) -> Path:
 
 def test_every_key_arrives_in_the_mapping(tmp_path: Path) -> None:
     (tmp_path / "mapping.yaml").write_text(SMALL)
-    (file,) = load_mapping(tmp_path / "mapping.yaml").files
+    (file,) = parse_mapping((tmp_path / "mapping.yaml").read_bytes(), "mapping.yaml").files
     pos, third, acc, foot = file.rules
     assert (file.clock.column, file.clock.unit) == ("time", "ms")
     assert isinstance(pos, Values)

@@ -76,31 +76,6 @@ FORM = bundle_schema(
 
 
 @final
-class LabelOut(BaseModel):
-    """segment: part of the body, null where none is known. gaps: share of samples in which it is not seen."""
-
-    name: str
-    segment: str | None
-    gaps: float
-
-
-@final
-class MotionSummary(BaseModel):
-    """What a capture is. told: what was read or guessed, by key, in words: `up`, `unit`, `preset`, `unknown`, `gaps` …
-    contacts: stretches [s] in which each foot stands, as they were read; null where the feet are not known."""
-
-    name: str
-    frames: int
-    rate_hz: float
-    seconds: float
-    holds: Literal["markers", "skeleton", "angles"]
-    static: bool
-    labels: list[LabelOut]
-    told: dict[str, str | float | int]
-    contacts: ContactsEntry | None
-
-
-@final
 class MotionOut(Kept):
     """One version of a motion. content_hash covers every file. files, capture, and of the summary labels and contacts:
     given when one is asked for."""

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, Sweep, cross, subtree
+from exogauge.robots.kinematics import Kinematics, Sweep, cross
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import wrench_columns
 
@@ -113,12 +113,6 @@ def row_slopes(kinematics: Kinematics, motion: Motion, sweep: Sweep, rows: Seque
         out[k][:, tree.dof[moved]] = each[moved].T
     by_gyro = P[n] - force_cross(V[n], Q[n])
     return MotionSlopes(out[0], out[1], out[2], Q[n][:, :3].copy(), by_gyro[:, 3:].copy(), Q[n][:, 3:].copy())
-
-
-def joint_row(kinematics: Kinematics, sweep: Sweep, joint: int, phi: Array) -> WeightedRow:
-    """Of a joint's torque. phi: (n, T, 10) of the bodies that it carries, in their order."""
-    body = int(np.flatnonzero(kinematics.tree.dof == joint)[0])
-    return WeightedRow(sweep.S[body].T, body, np.flatnonzero(subtree(kinematics.tree)[body]), phi)
 
 
 def motion_cross(V: Array, S: Array) -> Array:

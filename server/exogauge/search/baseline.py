@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -92,14 +93,16 @@ def lay_ground(
         axes = [site for site in sites(model) if isinstance(site, AxisSite)]
         needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
         seen = seen_by(model, prepared, needed)
-        columns: dict[Site, Columns] = {}
-        applying: dict[Site, set[str]] = {}
-        for site in () if recording.held_out else everywhere:
-            applying[site] = {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}
-            columns[site] = columns_of(everywhere[site], seen[site], prepared, len(site.kinds(model.equations)))
-        left = sums.take(model.equations, prepared, x, columns)
-        time = recording.log.time[prepared.kept] - recording.log.time[0]
+        sought = () if recording.held_out else everywhere
+        applying = {site: _applying(everywhere[site], seen[site]) for site in sought}
+
         moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
+
+        def columns(site: Site) -> Columns:  # what a site has computed to see them is not needed any more
+            return columns_of(everywhere[site], seen.pop(site), prepared, len(site.kinds(model.equations)))
+
+        left = sums.take(model.equations, prepared, x, {site: partial(columns, site) for site in sought})
+        time = recording.log.time[prepared.kept] - recording.log.time[0]
         return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
 
     for number, (applying, sums, left) in enumerate(side_by_side(of_log, order)):
@@ -144,8 +147,10 @@ def _moved(signals: AxisSignals, at: NDArray[np.intp]) -> AxisMotion:
     return AxisMotion(signals.position[at], signals.velocity[at], signals.load[at])
 
 
-def _applies(effect: Effect, seen: Seen) -> bool:
-    return bool(effect.applies(seen.signals))
+def _applying(candidates: Sequence[Candidate], seen: Seen) -> set[str]:
+    """Names of the effects that the log can show. Two effects may share a name."""
+    effects = {id(each.effect): each.effect for each in candidates}
+    return {effect.name for effect in effects.values() if effect.applies(seen.signals)}
 
 
 def _without_trend(log: LogResiduals, kind: int) -> Array:

@@ -6,11 +6,14 @@ The plot that shows an effect: what is missing against the coordinate that it de
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
+from exogauge.devices.result import Estimate
 from exogauge.effects.shaped import along_motion
 from exogauge.findings.basis import Continued, OfRobot
 from exogauge.findings.binned import binned
@@ -41,39 +44,67 @@ def rejection(model: RobotModel, judged: Judgement, objection: Objection) -> Alt
     return Alternative(candidate.effect.name, place_of(model, candidate), max(judged.explained, 0.0), objection)
 
 
-def name_effect(
-    rank: int,
-    ground: Ground,
-    winner: Judgement,
-    judged: Sequence[Judgement],
-    before: Identification,
-    after: Identification,
-    rows_of: Mapping[Site, Sequence[SiteRows]],
-    kind: int,
-) -> tuple[Finding, Undecided | None]:
-    """And what planning a motion needs that tells it from what is as good. kind: of the rows whose error is told."""
-    model, candidate = ground.model, winner.score.candidate
-    rows = rows_of[candidate.site]
-    held_out = _held_out(channel_of(model.equations, kind), before, after, winner)
-    kinds = set(candidate.site.kinds(model.equations))
+@final
+@dataclass(frozen=True)
+class Told:
+    """What is told of a candidate before the robot is identified with it; rows are not needed after.
+
+    rivals: others that act on the same rows. alike: those of them that are as good. undecided: what planning a motion
+    needs that tells it from these.
+    """
+
+    parameters: Mapping[str, Estimate]
+    continued: Continued | None
+    evidence: Evidence
+    rivals: Sequence[Judgement]
+    alike: Sequence[Judgement]
+    undecided: Undecided | None
+
+
+def tell(
+    model: RobotModel, winner: Judgement, judged: Sequence[Judgement], rows_of: Mapping[Site, Sequence[SiteRows]]
+) -> Told:
+    site = winner.score.candidate.site
+    rows, kinds = rows_of[site], set(site.kinds(model.equations))
     rivals = [each for each in judged if each is not winner
               and kinds & set(each.score.candidate.site.kinds(model.equations))]  # fmt: skip
     alike = [each for each in rivals if _as_good(winner, each, model.criteria.judging)]
+    return Told(
+        parameters=parameters(model, winner.score, rows),
+        continued=continued(model, winner.score, winner.kind, rows),
+        evidence=evidence(model, winner.score, winner.kind, rows),
+        rivals=rivals,
+        alike=alike,
+        undecided=_doubt(model, [winner, *alike], rows_of) if alike else None,
+    )
+
+
+def name_effect(
+    rank: int,
+    model: RobotModel,
+    winner: Judgement,
+    told: Told,
+    before: Identification,
+    after: Identification,
+    kind: int,
+) -> Finding:
+    """kind: of the rows whose error is told."""
+    candidate, alike = winner.score.candidate, told.alike
+    held_out = _held_out(channel_of(model.equations, kind), before, after, winner)
     others = [rejection(model, each, each.objection or Objection(Why.ALIKE if each in alike else Why.LESS))
-              for each in rivals]  # fmt: skip
-    finding = Finding(
+              for each in told.rivals]  # fmt: skip
+    return Finding(
         rank=rank,
         effect=candidate.effect.name,
         place=place_of(model, candidate),
-        parameters=parameters(model, winner.score, rows),
+        parameters=told.parameters,
         held_out=held_out,
         score=held_out.explained,
-        basis=OfRobot(candidate.effect, continued(model, winner.score, winner.kind, rows)),
+        basis=OfRobot(candidate.effect, told.continued),
         alternatives=tuple(others),
-        also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
-        evidence=evidence(model, winner.score, winner.kind, rows),
+        also_possible=tuple(each for each, rival in zip(others, told.rivals, strict=True) if rival in alike),
+        evidence=told.evidence,
     )
-    return finding, _doubt(model, [winner, *alike], rows_of) if alike else None
 
 
 def _as_good(winner: Judgement, rival: Judgement, judging: Judging) -> bool:

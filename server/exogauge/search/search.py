@@ -24,11 +24,12 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite
 from exogauge.progress import Doing
+from exogauge.resident import give_back
 from exogauge.search.baseline import Ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.creeping import creeping, is_soft
 from exogauge.search.doubt import Named, gone, not_worth
-from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection
+from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection, tell
 from exogauge.search.judge import Judgement, judge, not_named
 from exogauge.search.locate import channels, pooled
 from exogauge.search.noise_taken import noise_taken
@@ -77,6 +78,7 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
     criteria = problem.settings.criteria
     claimed = [each for each in judged if not each.objection and each.score.candidate.key not in search.failed]
     for first in claimed if len(search.steps) < criteria.search.most_effects else []:
+        rows = rows or collect_rows(ground.model, problem.recordings, [each.score.candidate.site for each in judged])
         winner = _weighed(search, with_closest_shape(ground, first, rows))
         judged = [winner if each is first else each for each in judged]
         candidate = winner.score.candidate
@@ -85,17 +87,18 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
             search = search.having_failed(candidate.key, rejection(ground.model, winner, noise))
             continue
         problem.tell(0.0, Doing.ADDING_EFFECT, candidate.effect.name)
-        added = as_added(candidate)
+        added, told, rows = as_added(candidate), tell(ground.model, winner, judged, rows), {}
+        give_back()  # what the rows held, which the next ground needs
         found = search.identified([*search.added, added])
         search, following = search.screened(found)
         kind = _kind_that_gains(search, winner, ground, following)
         without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
         size = gone(without, with_it)
         rank = len(search.steps) + 1
-        finding, undecided = name_effect(rank, ground, winner, judged, search.current, found, rows, kind)
+        finding = name_effect(rank, ground.model, winner, told, search.current, found, kind)
         refused = objection(finding, without, with_it, criteria.judging) or _not_worth(search, winner, kind, size)
         if not refused:
-            step = Step(added, finding, found, size, undecided)
+            step = Step(added, finding, found, size, told.undecided)
             return replace(search, steps=(*search.steps, step)), following
         search = search.having_failed(candidate.key, rejection(ground.model, winner, refused))
     return search, None

@@ -7,7 +7,7 @@ How surely an error falls, from the sums of what is gained in parts of the data 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -104,29 +104,39 @@ class Sums:
                 mine.setdefault(kind, KindSums.empty(*sums.cross.shape)).join(sums)
 
     def take(
-        self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[Site, Columns]
+        self,
+        equations: Equations,
+        prepared: Prepared,
+        x: Array,
+        columns: Mapping[Site, Callable[[], Columns]],
     ) -> Mapping[int, Array]:
         """Add one log; its residuals by kind (n_kept,), NaN where there is no row.
 
-        x: (P,).
+        x: (P,). columns: what gives them, asked for site by site, so that no two sites' are held at once.
         """
         at_rest = equations.layout.numbers(RowType.AT_REST)
         at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
+        needed = set().union(*at.values())
         residuals: dict[int, Array] = {}
-        found: dict[Site, SiteSums] = {site: {} for site in columns}
+        rows: dict[int, list[tuple[IntArray, Array, Array]]] = {}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:
-                kind = chunk.kind
-                if kind in at_rest:
+                if chunk.kind in at_rest:
                     continue
-                A, e = chunk.block[:, :-1], chunk.residual(x)
-                residuals.setdefault(kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
-                for site, places in at.items():
-                    if kind in places and len(columns[site].which):
-                        c = columns[site].different[chunk.samples, :, places[kind]]
-                        found[site].setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
-        self.join(Sums({site: {kind: sums.chosen(columns[site].which) for kind, sums in by_kind.items()}
-                        for site, by_kind in found.items() if by_kind}))  # fmt: skip
+                e = chunk.residual(x)
+                residuals.setdefault(chunk.kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
+                if chunk.kind in needed:
+                    A = chunk.block[:, :-1].copy(order="F")  # the next chunk overwrites it
+                    rows.setdefault(chunk.kind, []).append((chunk.samples, A, e))
+        for site, compute in columns.items():
+            own, found = compute(), dict[int, KindSums]()
+            for kind, parts in rows.items() if len(own.which) else ():
+                if kind in at[site]:
+                    found[kind] = KindSums.empty(own.different.shape[1], parts[0][1].shape[1])
+                    for samples, A, e in parts:
+                        found[kind].add(A, own.different[samples, :, at[site][kind]], e)
+            if found:
+                self.join(Sums({site: {kind: sums.chosen(own.which) for kind, sums in found.items()}}))
         return residuals
 
 

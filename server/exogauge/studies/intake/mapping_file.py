@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -175,12 +174,8 @@ class MappingFile(_Part):
     files: Annotated[list[FileEntry], Field(min_length=1, max_length=50)]
 
 
-def load_mapping(path: Path) -> LogMapping:
-    """The checked mapping, or BadStudy: each fault's column is the place (`files.0.columns.t.unit`), row the line."""
-    return parse_mapping(path.read_bytes(), path.name)
-
-
 def parse_mapping(data: bytes, file: str) -> LogMapping:
+    """The checked mapping, or BadStudy: each fault's column is the place (`files.0.columns.t.unit`), row the line."""
     content = load_yaml(data, MappingFile, file=file)
     faults = _faults(content, data, file)
     if faults:
