@@ -64,7 +64,9 @@ class About(StrEnum):
     APPROACHES_DISAGREE = "approaches_disagree"
     REPETITIONS_DISAGREE = "repetitions_disagree"
     STROKES_DISAGREE = "strokes_disagree"
+    PULLS_DISAGREE = "pulls_disagree"
     SIDES_DISAGREE = "sides_disagree"
+    SPRINGS_MISFIT = "springs_misfit"  # the joint, -; -; what it may do to the stiffness and its stated doubt [N/m]
     STIFFNESS_OPEN = "stiffness_open"
     LENGTH_OPEN = "length_open"
 

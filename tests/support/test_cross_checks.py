@@ -9,8 +9,9 @@ import pytest
 
 from exogauge.criteria.supporting import Supporting
 from exogauge.devices.device import Device
+from exogauge.devices.routing import Routing
 from exogauge.remarks import About
-from exogauge.support.cross_checks import LENGTHENING, judged
+from exogauge.support.cross_checks import HARD, LENGTHENING, SOFT, WITHOUT, judged
 from exogauge.support.stiffness import identify_bands
 
 SIGMA = np.array([0.3, 0.3])
@@ -47,10 +48,10 @@ def test_where_nothing_is_wrong_no_check_fails_and_z_is_of_unit_size(checked, su
     z = []
     for seed in range(20):
         found = checked([suit, suit, suit], seed=1000 * seed)
-        assert {each.check for each in found.cross_checks} == {"repetitions", "strokes", "sides"}
+        assert {each.check for each in found.cross_checks} == {"repetitions", "strokes", "pulls", "sides", "misfit"}
         assert not failed(found)
         assert all(band.identifiable for band in found.bands)
-        z += [each.z for each in found.cross_checks]
+        z += [each.z for each in found.cross_checks if each.check != "misfit"]
     assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.4
 
 
@@ -86,6 +87,49 @@ def test_a_pull_that_rubs_contradicts_itself_between_strokes(checked, suit):
     assert not strokes.agrees
     assert strokes.between[0] == LENGTHENING
     assert strokes.difference > 0.0
+    assert not found.bands[0].identifiable
+
+
+def test_a_strap_that_slides_and_comes_back_leaves_more_than_its_springs_doubt_holds(checked, suit, biped):
+    """Straps of both bands give way at half of their largest pull, and creep back where they pull next to nothing."""
+    routing = Routing(biped.robot.tree, suit.bands)
+
+    def slid(number, evidence):
+        jacobian, a = routing.geometry(evidence.posture).jacobian, evidence.a.copy()
+        for k, band in enumerate(suit.bands):
+            stretch, out = np.maximum(evidence.length[:, k] - band.natural_length, 0.0), 0.0
+            pull = np.empty_like(stretch)
+            for at, taut in enumerate(stretch):
+                out = max(out, taut - 0.5 * stretch.max()) if taut - out > 0.0 else 0.99 * out
+                pull[at] = band.stiffness * max(taut - out, 0.0)
+            a -= jacobian[:, k] * (pull - band.stiffness * stretch)[:, None]
+        return replace(evidence, a=a)
+
+    found = checked([suit, suit], noise=0.1, change=slid)
+    (misfit,) = (each for each in found.cross_checks if each.check == "misfit")
+    assert not misfit.agrees
+    assert misfit.between == ("torso_pitch", WITHOUT)
+    assert misfit.difference > 1.96 * misfit.std
+    for band in found.bands:
+        assert not band.identifiable
+        assert band.note.about == About.SPRINGS_MISFIT
+
+
+def test_bands_that_harden_contradict_themselves_between_hard_and_soft_pulls(checked, suit, biped):
+    routing = Routing(biped.robot.tree, suit.bands)
+
+    def hardened(number, evidence):
+        stretch = np.maximum(evidence.length - np.array([band.natural_length for band in suit.bands]), 0.0)
+        more = 1500.0 * stretch**2 / stretch.max()
+        return replace(
+            evidence, a=evidence.a - np.einsum("twd,tw->td", routing.geometry(evidence.posture).jacobian, more)
+        )
+
+    found = checked([suit, suit], noise=0.1, change=hardened)
+    (pulls,) = (each for each in found.cross_checks if each.check == "pulls")
+    assert not pulls.agrees
+    assert pulls.between == (HARD, SOFT)
+    assert pulls.difference > 0.0
     assert not found.bands[0].identifiable
 
 

@@ -125,6 +125,21 @@ def test_a_joint_that_stands_elsewhere_is_doubtful_though_it_does_not_move():
     assert found.equality[1].dq_share == 0.0
 
 
+def test_a_joint_that_has_next_to_no_part_in_the_motion_is_doubtful_and_refuses_nothing(biped, suit):
+    """A hip that gives way to a bend by milliradians, each time otherwise; then one that carries it."""
+
+    def swaying(size, seed):
+        return lambda t: np.column_stack([angles(t)[:, 0], size * angles(t, seed=seed)[:, 1]])
+
+    found = matched(run(swaying(0.06, 5)), run(swaying(0.06, 6)))
+    assert [each.verdict for each in found.equality] == ["equal", "doubtful"]
+    assert found.equality[1].dq_share > SETTINGS.different
+    assert matched(run(swaying(0.5, 5)), run(swaying(0.5, 6))).worst == "different"
+    worn = WornLog(robot_log(biped, "worn", swaying(0.06, 5)), "bend", suit)
+    plain = PlainLog(robot_log(biped, "plain", swaying(0.06, 6)), "bend", True)
+    require_same_motions(biped.robot, [worn], [plain], SETTINGS)
+
+
 def test_equality_is_stated_in_the_joints_own_terms():
     """A difference of known size: 0.01 rad at 0.5 Hz on one joint."""
     omega = np.pi

@@ -64,6 +64,12 @@ class Supporting:
         "compare it",
         judgement(RULES),
     )
+    misfit: float = criterion(
+        2.0,
+        "1",
+        "variance of what the bands leave, over that without the device, up to which it may be chance",
+        derived("F distribution, 95 %, 25 independent errors in either"),
+    )
     false_alarms: float = criterion(
         0.01,
         "1",
@@ -223,6 +229,12 @@ class Motions:
         0.5, "1", "of a joint's motion that two logs must share, or it is not the same motion", judgement(SAME)
     )
     moving: float = criterion(0.02, "rad/s", "rms velocity above which a joint counts as moving", judgement(SAME))
+    minor: float = criterion(
+        0.1,
+        "1",
+        "of the fastest joint's rms velocity, below which a joint that moves otherwise is doubtful and refuses nothing",
+        judgement(SAME),
+    )
     stands_apart: float = criterion(
         0.1, "rad", "rms angle between two runs above which a joint that hardly moves is doubtful", judgement(SAME)
     )

@@ -63,8 +63,9 @@ class BandEstimate:
 class CrossCheck:
     """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
 
-    check: `approaches`, `repetitions`, `strokes` or `sides`. between: names of the parts. difference: first minus
-    second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
+    check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`. between: names of the parts.
+    difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
+    misfit: by how much the stiffness may be off for what its springs leave, and its stated doubt.
     """
 
     check: str

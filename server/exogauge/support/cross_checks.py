@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from exogauge.criteria.criterion import Z95
 from exogauge.criteria.supporting import Supporting
 from exogauge.devices.device import Band
 from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
@@ -24,6 +25,7 @@ from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own, information
+from exogauge.support.band_weights import rms
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -33,16 +35,22 @@ SAID = {
     "approaches": About.APPROACHES_DISAGREE,
     "repetitions": About.REPETITIONS_DISAGREE,
     "strokes": About.STROKES_DISAGREE,
+    "pulls": About.PULLS_DISAGREE,
     "sides": About.SIDES_DISAGREE,
+    "misfit": About.SPRINGS_MISFIT,
 }
 LENGTHENING, SHORTENING = "lengthening", "shortening"
+HARD, SOFT = "hard", "soft"
+WITHOUT = "without the device"
 
 
 def within(
-    seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting
+    seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting, sigma: Array, std: Array
 ) -> tuple[CrossCheck, ...]:
-    """Of one approach: each log against all others, bands that lengthen against the same that shorten, and bands of a
-    group against each other. robot: as in `contributions`. What the motions cannot tell apart is not compared."""
+    """Of one approach: each log against all others, bands that lengthen against the same that shorten, their harder
+    half of pulls against the softer, bands of a group against each other, what they leave against what there is
+    without. robot: as in `contributions`. sigma: (D,) [N·m] there; std: (W,) stated of each band. What the motions
+    cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
@@ -58,6 +66,16 @@ def within(
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
         found[place] += _between_samples(seen, robot, rate > 0.0).springs(place, said, null[place])
+        pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
+        said = ("pulls", bands[own[0]].group, (HARD, SOFT))
+        if np.any(pull > 0.0):
+            hard = pull > np.median(pull[pull > 0.0])
+            found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
+    for place, own in members.items():
+        excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
+        joint, most = _misfit(seen, place, excess)
+        between = (logs.names[joint], WITHOUT)
+        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, float(std[own[0]])))
     if not wear.added:
         alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
         for place, own in members.items():
@@ -138,6 +156,16 @@ class _Split:
         return step, contributions(setting, let_differ, self.robot, self.seen.null, self.seen.joint_weight)
 
 
+def _misfit(seen: BandFit, place: int, excess: Array) -> tuple[int, float]:
+    """The joint that has most part in it, and by how much a stiffness [N/m] may be off that errors of this size have
+    been fitted with, whatever their course: by Cauchy and Schwarz |Σ w a m| <= √(Σ w a²) √(Σ w m²) at every joint.
+    excess: (D,) [N·m] RMS."""
+    weight, a = seen.setting.weight, seen.setting.offsets.without(seen.fitted.A)[:, :, place]
+    known = np.sum(weight * a**2, axis=0)
+    parts = np.sqrt(known * np.sum(weight, axis=0)) * excess
+    return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(known)), 1e-300))
+
+
 def _null_of_fit(seen: BandFit) -> Array:
     """(P,) what the null test is in the doubt of each value."""
     nothing = np.zeros_like(seen.fitted.hessian)
@@ -162,11 +190,13 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
     for device in dict.fromkeys(each.device for each in found):
         own = [k for k, each in enumerate(found) if each.device == device and each.approach != "prior"]
         between = {k: _against_others(found[k], [found[n] for n in own if n != k]) for k in own}
-        count = sum(len(found[k].cross_checks) for k in own) + sum(len(each) for each in between.values()) // 2
+        by_chance = [each for k in own for each in found[k].cross_checks if each.check != "misfit"]
+        count = len(by_chance) + sum(len(each) for each in between.values()) // 2
         limit = -float(ndtri(0.5 * criteria.false_alarms / max(count, 1)))
         for k in own:
             inside = [each for each in found[k].cross_checks if each.check != "approaches"]
-            checks = tuple(replace(each, limit=limit) for each in (*inside, *between[k]))
+            limits = {"misfit": Z95}  # an error that the stated interval does not hold
+            checks = tuple(replace(each, limit=limits.get(each.check, limit)) for each in (*inside, *between[k]))
             bands = tuple(_told(band, checks) for band in found[k].bands)
             result[k] = replace(found[k], bands=bands, cross_checks=checks)
     return tuple(result)

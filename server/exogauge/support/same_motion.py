@@ -68,8 +68,20 @@ def match(this: Posture, other: Posture, settings: SupportSettings) -> Match:
     first, last = _covered(this, other, lag)
     q, dq = other.at(this.time[first:last] + lag)
     missed = _missed(this, other, first, last, dq)
+    shown = this.dq[first:last]
+    own = np.sqrt(np.maximum(np.mean(shown**2, axis=0), np.mean(dq**2, axis=0)) + missed)
+    q_rms = np.sqrt(np.mean((this.q[first:last] - q) ** 2, axis=0))
+    dq_rms = np.sqrt(np.mean((shown - dq) ** 2, axis=0) + missed)
+    share = np.where(own > MOTIONS.moving, dq_rms / np.maximum(own, MOTIONS.moving), 0.0)
+    carried = own >= MOTIONS.minor * np.max(own, initial=0.0)
     equality = [
-        _equality(joint, this.q[first:last, j] - q[:, j], this.dq[first:last, j], dq[:, j], float(missed[j]), settings)
+        JointEquality(
+            joint,
+            float(q_rms[j]),
+            float(dq_rms[j]),
+            float(share[j]),
+            _verdict(share[j], q_rms[j], bool(carried[j]), settings),
+        )
         for j, joint in enumerate(this.joints)
     ]
     return Match(lag, tuple(equality), first, last)
@@ -87,18 +99,11 @@ def _missed(this: Posture, other: Posture, first: int, last: int, dq: Array) -> 
     return np.asarray(np.where(common < MOTIONS.common, np.maximum(outside, 0.0), 0.0) / max(last - first, 1))
 
 
-def _equality(
-    joint: str, apart: Array, dq: Array, dq_other: Array, missed: float, settings: SupportSettings
-) -> JointEquality:
-    own = float(np.hypot(max(_rms(dq), _rms(dq_other)), np.sqrt(missed)))
-    q_rms, dq_rms = _rms(apart), float(np.hypot(_rms(dq - dq_other), np.sqrt(missed)))
-    share = dq_rms / own if own > MOTIONS.moving else 0.0
-    verdict: Verdict = "equal"
-    if share > settings.different:
-        verdict = "different"
-    elif share > settings.doubtful or q_rms > MOTIONS.stands_apart:
-        verdict = "doubtful"
-    return JointEquality(joint, q_rms, dq_rms, share, verdict)
+def _verdict(share: float, q_rms: float, carried: bool, settings: SupportSettings) -> Verdict:
+    """carried: the joint has part in the motion: what another merely gives way to it by makes no other motion of it."""
+    if share > settings.different and carried:
+        return "different"
+    return "doubtful" if share > settings.doubtful or q_rms > MOTIONS.stands_apart else "equal"
 
 
 def _coarse_lag(this: Posture, other: Posture) -> float:
@@ -143,7 +148,3 @@ def _covered(this: Posture, other: Posture, lag: float) -> tuple[int, int]:
     time = this.time + lag
     inside = np.flatnonzero((time >= -RESOLVED_S) & (time <= other.time[-1] + RESOLVED_S))
     return (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, len(this.time))
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -1,6 +1,8 @@
 """The bands of a device from one approach's supporting torques: values, doubt, and what these motions cannot tell.
 
-95 % intervals: symmetric where the profile of the likelihood is, along it where it is not.
+95 % intervals: symmetric where the profile of the likelihood is, along it where it is not. A standard deviation is no
+less than its interval tells: the slopes at an estimate that is too large are those of a band that comes taut late,
+which would be known better than it is.
 """
 
 from __future__ import annotations
@@ -70,6 +72,24 @@ class Springs:
 
     def of(self, k: int) -> tuple[Estimate, Estimate]:
         """Stiffness and natural length of one band."""
+        stiffness, length = (_as_wide_as(*each) for each in zip(self._by_slopes(k), self.intervals(k), strict=True))
+        return stiffness, length
+
+    @property
+    def stated(self) -> Array:
+        """(W,) [N/m] standard deviation of each band's stiffness."""
+        return np.array([self.of(k)[0].std for k in range(len(self.bands))])
+
+    def intervals(self, k: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """95 % of stiffness and natural length of one band."""
+        stretch = self.seen.setting.wires[k].longest - self.seen.fitted.wear.spring(k)[1]
+        return self._profiles.of_band(k, max(stretch, 0.0))
+
+    @cached_property
+    def _profiles(self) -> Profiles:
+        return Profiles(self.seen.setting, self.seen.fitted, self.doubt)
+
+    def _by_slopes(self, k: int) -> tuple[Estimate, Estimate]:
         wear = self.seen.fitted.wear
         places = int(wear.layout.stiffness[k]), int(wear.layout.natural_length[k])
         stiffness, length = (
@@ -91,7 +111,7 @@ class Springs:
     def filled(self, device: Device) -> Device:
         """With these values where it states none."""
         wires = self.seen.setting.wires
-        bands = [with_spring(band, self.of(k), wires[k].longest) for k, band in enumerate(device.bands)]
+        bands = [with_spring(band, self._by_slopes(k), wires[k].longest) for k, band in enumerate(device.bands)]
         return replace(device, bands=tuple(bands))
 
 
@@ -165,12 +185,11 @@ def identify_bands(
     with np.errstate(invalid="ignore"):
         correlation = doubt[: len(std), : len(std)] / np.outer(std, std)
     edge, criteria = _at_bounds_of_each(seen), model.criteria.support
-    profiles = Profiles(seen.setting, seen.fitted, doubt)
     return StiffnessResult(
         device=device.name,
         approach=approach,
         bands=tuple(
-            _estimate(band, k, springs, profiles, edge[k], criteria.known, named is not None)
+            _estimate(band, k, springs, edge[k], criteria.known, named is not None)
             for k, band in enumerate(device.bands)
         ),
         parameters=names,
@@ -178,7 +197,9 @@ def identify_bands(
         rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
         notes=(*springs.notes, *(() if approach == "prior" else _not_as_stated(springs, criteria))),
-        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria),
+        cross_checks=()
+        if approach == "prior"
+        else within(seen, device.bands, springs.of_robot, criteria, sigma, springs.stated),
     )
 
 
@@ -210,7 +231,8 @@ def _not_as_stated(springs: Springs, criteria: Supporting) -> list[Remark]:
 def undecided(plan: Layout, shares: Mapping[str, Array]) -> set[str]:
     """Values doubted by so much that the samples hold nothing of them: a curvature beside which the scale's own is all,
     of which a finite number of any size may be left by rounding."""
-    std = np.sqrt(np.diag(np.sum(list(shares.values()), axis=0)))[: len(plan.names)]
+    variance = np.diag(np.sum(list(shares.values()), axis=0))[: len(plan.names)]
+    std = np.sqrt(np.where(variance >= 0.0, variance, np.inf))  # below: rounding of what is not known
     return {plan.names[place] for place in np.flatnonzero(~(std < plan.scale / np.sqrt(NULL)))}
 
 
@@ -274,7 +296,6 @@ def _estimate(
     band: Band,
     k: int,
     springs: Springs,
-    profiles: Profiles,
     edge: tuple[str, ...],
     known: float,
     with_effects: bool,
@@ -286,7 +307,7 @@ def _estimate(
     stiffness, length = springs.of(k)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
-    k_interval, l_interval = profiles.of_band(k, stretch)
+    k_interval, l_interval = springs.intervals(k)
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
@@ -322,6 +343,15 @@ def _note(
     if not k_known:
         return Remark(About.STIFFNESS_OPEN)
     return None if l_known else Remark(About.LENGTH_OPEN)
+
+
+def _as_wide_as(estimate: Estimate, interval: tuple[float, float]) -> Estimate:
+    """With no less doubt than its interval tells, every part in proportion."""
+    half = (interval[1] - interval[0]) / (2.0 * Z95)
+    if not np.isfinite([half, estimate.std]).all() or half <= estimate.std or estimate.std == 0.0:
+        return estimate
+    parts = {source: each * half / estimate.std for source, each in estimate.parts.items()}
+    return replace(estimate, std=half, parts=parts)
 
 
 SKEWED = 0.02  # std over the value (over the stretch, for a length) from which a symmetric interval's ends are tried

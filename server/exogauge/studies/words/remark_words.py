@@ -208,10 +208,21 @@ FORMS: Mapping[About, Form] = {
         "lags.",
         joined=" and ",
     ),
+    About.PULLS_DISAGREE: Form(
+        _DISAGREE + "What can do it: bands that harden or soften, a strap or an anchor that gives way, a band that "
+        "comes taut gradually.",
+        joined=" and ",
+    ),
     About.SIDES_DISAGREE: Form(
         _DISAGREE + "What can do it: via points that are not where they are stated, bands that are not alike, one that "
         "was put on otherwise, a foot sensor's gain.",
         joined=" and ",
+    ),
+    About.SPRINGS_MISFIT: Form(
+        "These springs do not explain what the device does: more is left at {names}, by which the stiffness may be off "
+        "by {0:.3g} N/m, where its doubt is {1:.2g} N/m. What can do it: a strap or an anchor that gives way, bands "
+        "that harden, rub or are slow, via points that are not where they are stated.",
+        joined=" than ",
     ),
     About.STIFFNESS_OPEN: Form(
         "The doubt is more than half of the value: a motion that stretches this band further would decide."

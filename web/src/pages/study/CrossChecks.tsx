@@ -10,7 +10,9 @@ const CHECK: Record<StiffnessCheck["check"], string> = {
   approaches: "Approaches",
   repetitions: "One log and the others",
   strokes: "Both ways of a motion",
+  pulls: "Hard and soft pulls",
   sides: "Left and right",
+  misfit: "What springs leave",
 };
 
 /** Parts of the evidence that ought to give one stiffness: which do, and which do not; the worst first. */

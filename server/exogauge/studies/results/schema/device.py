@@ -211,10 +211,12 @@ class StiffnessCheck(Part):
 
     device: str = Field(description="its name")
     approach: Literal["A", "B", "paired"] = Field(description="as in `support`")
-    check: Literal["approaches", "repetitions", "strokes", "sides"] = Field(description="what is compared")
+    check: Literal["approaches", "repetitions", "strokes", "pulls", "sides", "misfit"] = Field(
+        description="what is compared"
+    )
     group: str = Field(description="of bands that share stiffness and law")
     between: list[str] = Field(description="the two parts")
-    difference: Number = Field(description="first minus second [N/m]")
+    difference: Number = Field(description="first minus second [N/m]; of `misfit`: how far the stiffness may be off")
     std: Number = Field(description="of the difference [N/m]")
     z: Number = Field(description="difference over std")
     limit: Number = Field(description="of |z|")
