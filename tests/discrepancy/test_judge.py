@@ -57,6 +57,14 @@ def weight(case):
     return model.solution.weights[kind]
 
 
+def test_a_site_that_is_named_twice_has_its_rows_once(study, case):
+    """Or what was gained there would count twice: evidence is a sum over rows."""
+    model, once, _ = case
+    (twice,) = collect_rows(model, study(), [SITE, SITE]).values()
+    assert [each.log for each in twice] == [each.log for each in once]
+    assert [len(own(each).e) for each in twice] == [len(own(each).e) for each in once]
+
+
 def with_share(case, share, fitted=1.0):
     """The rows with residuals of which the candidate explains `share` (n,) of its own torque on the held-out log."""
     _, rows, score = case

@@ -46,7 +46,7 @@ def with_doubt_of_shapes(
     if not free:
         return found
     model, more = found.model, np.zeros_like(found.model.covariance)
-    rows = collect_rows(model, recordings, list(dict.fromkeys(each.site for each in free)))
+    rows = collect_rows(model, recordings, [each.site for each in free])
     for each in free:
         more += _of_shapes(model, each, [one for one in rows[each.site] if not one.held_out])
     return _doubted(found, more)

@@ -191,9 +191,7 @@ def judge_best(
         if wanted and each.evidence > least and (key in best or len(best) < most):
             best.setdefault(key, []).append(each)
     hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
-    rows = collect_rows(
-        ground.model, recordings, list(dict.fromkeys([site for _, site in best] + [h.site for h in hints]))
-    )
+    rows = collect_rows(ground.model, recordings, [site for _, site in best] + [each.site for each in hints])
     for candidate in hints:
         sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
         tried = score(ground.baseline, candidate, sums)

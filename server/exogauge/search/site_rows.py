@@ -79,8 +79,9 @@ def collect_rows(
     """Site -> its rows in every log that has any. Sites share the rows that they have in common. eyes: the model whose
     loads its effects see, if it is not the same. prepared: other signals of a log than the model's own."""
     found: dict[Site, list[SiteRows]] = {site: [] for site in sites}
-    if not sites:
+    if not found:
         return {}
+    sites = list(found)  # one that is named twice has its rows once
     equations, x = model.equations, model.solution.unbounded.x
     ready = prepared or model.prepare
     needed = {kind for site in sites for kind in site.kinds(model.equations)}
