@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.errors import NotIdentifiable
-from exogauge.identification.bandwidth import LOWEST_HZ, Trial, choose_cutoff, noise_of_acceleration
+from exogauge.identification.bandwidth import LOWEST_HZ, Keeps, Trial, choose_cutoff, noise_of_acceleration
 from exogauge.identification.identify import identify
 from exogauge.identification.preparation import prepare, suggested_cutoffs
 from exogauge.identification.settings import Recording, Settings
@@ -16,7 +16,12 @@ from exogauge.identification.turns import rest_detection
 from exogauge.remarks import About
 from exogauge.side_by_side import CORES
 
-Tried = partial(Trial, keeps_most=True, keeps_judged=True)
+Tried = partial(Trial, keeps=Keeps.BOTH)
+
+
+def kept(fitted, judged=True):
+    """By a cut-off, of the motion of the log that is fitted, and of the one that judges."""
+    return Keeps(fitted + (fitted and judged))
 
 
 @pytest.fixture
@@ -102,7 +107,7 @@ def test_a_cutoff_at_which_most_accelerations_are_noise_is_not_taken_though_only
 
     def trial(_, hz):
         fast = hz > 1.5 * first
-        return Trial(-float(np.log(hz)), fast, fast, quiet=False, noise=fast)
+        return Trial(-float(np.log(hz)), kept(fast), quiet=False, noise=fast)
 
     assert choose_cutoff(robot, [log], log.rate_hz, trial) == first
 
@@ -124,19 +129,19 @@ def test_the_share_of_an_acceleration_that_is_noise_is_told(make_truth, make_log
 
 def test_a_cutoff_at_which_turns_take_most_of_a_motion_is_not_taken(robot_and_log):
     robot, log, first = robot_and_log
-    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, keeps_most=hz > 1.5 * first))
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, kept(hz > 1.5 * first)))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 
 def test_a_cutoff_at_which_turns_take_most_of_what_judges_is_not_taken(robot_and_log):
     robot, log, first = robot_and_log
-    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, hz > 0.7 * first, hz > 1.5 * first))
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, kept(hz > 0.7 * first, hz > 1.5 * first)))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 
 def test_where_nothing_lets_judge_the_fitted_motion_decides(robot_and_log):
     robot, log, first = robot_and_log
-    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, hz > 0.7 * first, False)) == first
+    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Trial(0.0, kept(hz > 0.7 * first, False))) == first
 
 
 def test_where_no_row_is_left_a_higher_cutoff_is_sought(robot_and_log):

@@ -48,13 +48,12 @@ class Keeps(IntEnum):
 @dataclass(frozen=True)
 class Trial:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
-    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: of a log that
-    is held out too. quiet: no axis' acceleration holds more noise of its position than a fit can take off again.
-    noise: half of the axes' accelerations are more noise than motion."""
+    is left unexplained in blocks that were not fitted; infinite where so low a bandwidth leaves no steady motion to
+    identify from. keeps: most of it, see `steady.keeps_most`. quiet: no axis' acceleration holds more noise of its
+    position than a fit can take off again. noise: half of the axes' accelerations are more noise than motion."""
 
     left: float
-    keeps_most: bool
-    keeps_judged: bool
+    keeps: Keeps
     quiet: bool = True
     noise: bool = False
 
@@ -84,7 +83,7 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     downwards = [first, *takewhile(lambda hz: hz >= LOWEST_HZ, lower)]
     doubled = (first * 2.0**number for number in range(1, 64))
     upwards = [*takewhile(lambda hz: hz < highest, doubled), highest] if first < highest else []
-    tried: dict[float, _Tried] = {}
+    tried: dict[float, Trial] = {}
 
     def drowned(hz: float) -> bool:
         if tried[hz].noise and any(not one.noise and np.isfinite(one.left) for one in tried.values()):
@@ -114,36 +113,21 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     return min(as_good)
 
 
-@final
-@dataclass(frozen=True)
-class _Tried:
-    """left: infinite where so low a bandwidth leaves no steady motion to identify from."""
-
-    left: float
-    keeps: Keeps
-    quiet: bool
-    noise: bool = False
-
-
-def _best(tried: Mapping[float, _Tried]) -> float:
+def _best(tried: Mapping[float, Trial]) -> float:
     return min(one.left for one in tried.values())
 
 
-def _in_turn(
-    trial: Callable[[Log, float], Trial], log: Log, cutoffs: Sequence[float]
-) -> Iterator[tuple[float, _Tried]]:
+def _in_turn(trial: Callable[[Log, float], Trial], log: Log, cutoffs: Sequence[float]) -> Iterator[tuple[float, Trial]]:
     """On several processors the next are under way while one is looked at; of what nobody asks for any more nothing is
     known."""
     yield from zip(cutoffs, side_by_side(partial(_tried, trial, log), cutoffs), strict=True)
 
 
-def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> _Tried:
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> Trial:
     try:
-        found = trial(log, cutoff_hz)
+        return trial(log, cutoff_hz)
     except NotIdentifiable:
-        return _Tried(np.inf, Keeps.NEITHER, True)
-    both = Keeps.BOTH if found.keeps_judged else Keeps.FITTED
-    return _Tried(found.left, both if found.keeps_most else Keeps.NEITHER, found.quiet, found.noise)
+        return Trial(np.inf, Keeps.NEITHER)
 
 
 def noise_of_acceleration(robot: Robot, log: Prepared) -> Array:
@@ -188,9 +172,11 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
             residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
     shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
     criteria = equations.criteria.identifying
-    keeps = keeps_most(prepared, criteria)
-    keeps_judged = keeps and (judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria))
+    keeps = Keeps.NEITHER
+    if keeps_most(prepared, criteria):
+        both = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria)
+        keeps = Keeps.BOTH if both else Keeps.FITTED
     share = noise_of_acceleration(robot, prepared)
     moves = share[share > 0.0]
     quiet, noise = bool(np.all(share <= criteria.noisy)), moves.size > 0 and float(np.median(moves)) > criteria.drowned
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged, quiet, noise)
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, quiet, noise)
