@@ -347,8 +347,8 @@ def _note(
 
 def _as_wide_as(estimate: Estimate, interval: tuple[float, float]) -> Estimate:
     """With no less doubt than its interval tells, every part in proportion."""
-    half = (interval[1] - interval[0]) / (2.0 * Z95)
-    if not np.isfinite([half, estimate.std]).all() or half <= estimate.std or estimate.std == 0.0:
+    half, rounding = (interval[1] - interval[0]) / (2.0 * Z95), 1.0 + 1e-9
+    if not np.isfinite([half, estimate.std]).all() or half <= rounding * estimate.std or estimate.std == 0.0:
         return estimate
     parts = {source: each * half / estimate.std for source, each in estimate.parts.items()}
     return replace(estimate, std=half, parts=parts)
