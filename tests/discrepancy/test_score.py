@@ -1,7 +1,5 @@
 """A candidate scored in sums is a candidate fitted beside the whole baseline."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from exogauge.effects.imu_tilt import ImuTilt
 from exogauge.identification.sites import AxisSite, BaseSite, PairSite, seen_by
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import Baseline, residual_memory, score
-from exogauge.search.sums import KindSums, Sums
+from exogauge.search.sums import KindSums, Sums, rows_of
 
 MEMORY = dict.fromkeys(range(20), 5.0)
 
@@ -35,8 +33,9 @@ def scored(case):
         site = AxisSite(axis)
         candidate, sums = Candidate(shaped_effects()[name], site, shape), Sums()
         for prepared in logs:
-            columns = partial(columns_of, [candidate], site.see(model, prepared), prepared, 1)
-            sums.take(model.equations, prepared, x, {site: columns})
+            kinds = site.kinds(model.equations)
+            _, rows = rows_of(model.equations, prepared, x, set(kinds))
+            sums.take(site, kinds, columns_of([candidate], site.see(model, prepared), prepared, 1), rows)
         return score(baseline, candidate, sums.by_site[site])
 
     return of
@@ -216,9 +215,8 @@ def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itsel
         sums, columns = Sums(), columns_of(every, site.see(model, prepared), prepared, 1)
         assert columns.different.shape[1] == (effect.shapes[0].low <= number) * len(effect.coefficients)
         assert columns.every.shape[1] == len(every) * len(effect.coefficients)
-        sums.take(
-            model.equations, prepared, x, {site: partial(columns_of, every, site.see(model, prepared), prepared, 1)}
-        )
+        _, rows = rows_of(model.equations, prepared, x, {kind})
+        sums.take(site, site.kinds(model.equations), columns, rows)
         whole = KindSums.empty(columns.every.shape[1], len(model.equations.columns()[kind]))
         for _, chunks in model.equations.rows(prepared, x):
             for chunk in chunks:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import final
 
 import numpy as np
@@ -18,7 +17,7 @@ from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.progress import Doing, Progress
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import Baseline, Score, residual_memory, score_all
-from exogauge.search.sums import Columns, Sums
+from exogauge.search.sums import Sums, rows_of
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
@@ -97,11 +96,10 @@ def lay_ground(
         applying = {site: _applying(everywhere[site], seen[site]) for site in sought}
 
         moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
-
-        def columns(site: Site) -> Columns:  # what a site has computed to see them is not needed any more
-            return columns_of(everywhere[site], seen.pop(site), prepared, len(site.kinds(model.equations)))
-
-        left = sums.take(model.equations, prepared, x, {site: partial(columns, site) for site in sought})
+        kinds = {site: site.kinds(model.equations) for site in sought}
+        left, rows = rows_of(model.equations, prepared, x, {kind for own in kinds.values() for kind in own})
+        for site in sought:  # no two sites' columns are held at once, nor what one has computed to see its own
+            sums.take(site, kinds[site], columns_of(everywhere[site], seen.pop(site), prepared, len(kinds[site])), rows)
         time = recording.log.time[prepared.kept] - recording.log.time[0]
         return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
 

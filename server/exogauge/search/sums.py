@@ -7,7 +7,7 @@ How surely an error falls, from the sums of what is gained in parts of the data 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -103,41 +103,38 @@ class Sums:
             for kind, sums in by_kind.items():
                 mine.setdefault(kind, KindSums.empty(*sums.cross.shape)).join(sums)
 
-    def take(
-        self,
-        equations: Equations,
-        prepared: Prepared,
-        x: Array,
-        columns: Mapping[Site, Callable[[], Columns]],
-    ) -> Mapping[int, Array]:
-        """Add one log; its residuals by kind (n_kept,), NaN where there is no row.
+    def take(self, site: Site, kinds: Sequence[int], own: Columns, rows: Rows) -> None:
+        """Add a site's columns in one log. kinds: of the site; rows: of that log, all that it has among them."""
+        found = SiteSums()
+        for place, kind in enumerate(kinds if len(own.which) else ()):
+            for samples, A, e in rows.get(kind, ()):
+                c = own.different[samples, :, place]
+                found.setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
+        if found:
+            self.join(Sums({site: {kind: sums.chosen(own.which) for kind, sums in found.items()}}))
 
-        x: (P,). columns: what gives them, asked for site by site, so that no two sites' are held at once.
-        """
-        at_rest = equations.layout.numbers(RowType.AT_REST)
-        at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
-        needed = set().union(*at.values())
-        residuals: dict[int, Array] = {}
-        rows: dict[int, list[tuple[IntArray, Array, Array]]] = {}
-        for _, chunks in equations.rows(prepared, x):
-            for chunk in chunks:
-                if chunk.kind in at_rest:
-                    continue
-                e = chunk.residual(x)
-                residuals.setdefault(chunk.kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
-                if chunk.kind in needed:
-                    A = chunk.block[:, :-1].copy(order="F")  # the next chunk overwrites it
-                    rows.setdefault(chunk.kind, []).append((chunk.samples, A, e))
-        for site, compute in columns.items():
-            own, found = compute(), dict[int, KindSums]()
-            for kind, parts in rows.items() if len(own.which) else ():
-                if kind in at[site]:
-                    found[kind] = KindSums.empty(own.different.shape[1], parts[0][1].shape[1])
-                    for samples, A, e in parts:
-                        found[kind].add(A, own.different[samples, :, at[site][kind]], e)
-            if found:
-                self.join(Sums({site: {kind: sums.chosen(own.which) for kind, sums in found.items()}}))
-        return residuals
+
+Rows = Mapping[int, Sequence[tuple[IntArray, Array, Array]]]  # kind -> parts: samples (n,), A (n, k), e (n,) y - A x
+
+
+def rows_of(equations: Equations, prepared: Prepared, x: Array, needed: Set[int]) -> tuple[Mapping[int, Array], Rows]:
+    """Residuals of one log by kind, (n_kept,), NaN where there is no row; and the rows of the kinds that are needed.
+
+    x: (P,).
+    """
+    at_rest = equations.layout.numbers(RowType.AT_REST)
+    residuals: dict[int, Array] = {}
+    rows: dict[int, list[tuple[IntArray, Array, Array]]] = {}
+    for _, chunks in equations.rows(prepared, x):
+        for chunk in chunks:
+            if chunk.kind in at_rest:
+                continue
+            e = chunk.residual(x)
+            residuals.setdefault(chunk.kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
+            if chunk.kind in needed:
+                A = chunk.block[:, :-1].copy(order="F")  # the next chunk overwrites it
+                rows.setdefault(chunk.kind, []).append((chunk.samples, A, e))
+    return residuals, rows
 
 
 def sureness(gains: Array) -> float:
