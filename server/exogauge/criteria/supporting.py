@@ -70,6 +70,13 @@ class Supporting:
         "variance of what the bands leave, over that without the device, up to which it may be chance",
         derived("F distribution, 95 %, 25 independent errors in either"),
     )
+    misfit_matters: float = criterion(
+        0.05,
+        "1",
+        "of a stiffness, its least doubt where it is held against what its springs leave: that is a worst case, which "
+        "a fit that is right to a per cent need not withstand",
+        judgement(RULES),
+    )
     false_alarms: float = criterion(
         0.01,
         "1",

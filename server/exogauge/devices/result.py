@@ -65,7 +65,7 @@ class CrossCheck:
 
     check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`. between: names of the parts.
     difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
-    misfit: by how much the stiffness may be off for what its springs leave, and its stated doubt.
+    misfit: by how much the stiffness may be off for what its springs leave, and its doubt.
     """
 
     check: str

@@ -75,7 +75,8 @@ def within(
         excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
         joint, most = _misfit(seen, place, excess)
         between = (logs.names[joint], WITHOUT)
-        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, float(std[own[0]])))
+        doubt = max(float(std[own[0]]), criteria.misfit_matters * float(wear.springs[place]))
+        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, doubt))
     if not wear.added:
         alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
         for place, own in members.items():
