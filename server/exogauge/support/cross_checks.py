@@ -71,12 +71,13 @@ def within(
         if np.any(pull > 0.0):
             hard = pull > np.median(pull[pull > 0.0])
             found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
+    excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
+    slopes = seen.setting.offsets.without(seen.fitted.A)
     for place, own in members.items():
-        excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
-        joint, most = _misfit(seen, place, excess)
-        between = (logs.names[joint], WITHOUT)
+        joint, most = _misfit(seen.setting.weight, slopes[:, :, place], excess)
         doubt = max(float(std[own[0]]), criteria.misfit_matters * float(wear.springs[place]))
-        found[place].append(CrossCheck("misfit", bands[own[0]].group, between, most, doubt))
+        said = ("misfit", bands[own[0]].group, (logs.names[joint], WITHOUT))
+        found[place].append(CrossCheck(*said, most, doubt, Z95))  # beyond: an error that its interval does not hold
     if not wear.added:
         alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
         for place, own in members.items():
@@ -157,11 +158,10 @@ class _Split:
         return step, contributions(setting, let_differ, self.robot, self.seen.null, self.seen.joint_weight)
 
 
-def _misfit(seen: BandFit, place: int, excess: Array) -> tuple[int, float]:
+def _misfit(weight: Array, a: Array, excess: Array) -> tuple[int, float]:
     """The joint that has most part in it, and by how much a stiffness [N/m] may be off that errors of this size have
     been fitted with, whatever their course: by Cauchy and Schwarz |Σ w a m| <= √(Σ w a²) √(Σ w m²) at every joint.
-    excess: (D,) [N·m] RMS."""
-    weight, a = seen.setting.weight, seen.setting.offsets.without(seen.fitted.A)[:, :, place]
+    weight, a: (N, D), a the slopes with the stiffness. excess: (D,) [N·m] RMS."""
     known = np.sum(weight * a**2, axis=0)
     parts = np.sqrt(known * np.sum(weight, axis=0)) * excess
     return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(known)), 1e-300))
@@ -196,8 +196,8 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
         limit = -float(ndtri(0.5 * criteria.false_alarms / max(count, 1)))
         for k in own:
             inside = [each for each in found[k].cross_checks if each.check != "approaches"]
-            limits = {"misfit": Z95}  # an error that the stated interval does not hold
-            checks = tuple(replace(each, limit=limits.get(each.check, limit)) for each in (*inside, *between[k]))
+            every = (*inside, *between[k])
+            checks = tuple(each if each.check == "misfit" else replace(each, limit=limit) for each in every)
             bands = tuple(_told(band, checks) for band in found[k].bands)
             result[k] = replace(found[k], bands=bands, cross_checks=checks)
     return tuple(result)
