@@ -1,4 +1,4 @@
-"""What other makers' programs write: spellings that are taken, and what is noticed where a file says something wrong."""
+"""What other makers' programs write: spellings that are taken, and what is noticed where a file is wrong."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ def both(pattern: str, limbs: tuple[str, ...], sides: tuple[str, str]) -> list[s
 @pytest.mark.parametrize(
     ("preset", "names"),
     [
-        ("SMPL", ["Pelvis", "Spine3", "Head", *both("{s}_{limb}", ("Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"),
-                                                    ("L", "R"))]),
+        ("SMPL", ["Pelvis", "Spine3", "Head", *both("{s}_{limb}", (
+            "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"), ("L", "R"))]),
         ("Unreal", ["pelvis", "spine_03", "head", *both("{limb}_{s}", ("upperarm", "lowerarm", "hand", "thigh", "calf",
                                                                        "foot"), ("l", "r"))]),
         ("Xsens MVN's segments", ["Pelvis", "T8", "Head", *both("{s}{limb}", (
@@ -242,7 +242,9 @@ def test_an_amc_that_was_cut_out_of_a_longer_one_begins_where_it_does(tmp_path: 
     assert len(open_motion(tmp_path / "a.amc", skeleton=tmp_path / "a.asf", up="y").time) == 2
 
 
-@pytest.mark.parametrize(("name", "advice"), [("a.mvnx", "BVH"), ("a.csv", "C3D"), ("a.fbx", "BVH"), ("a.gz", "Unpack")])
+@pytest.mark.parametrize(
+    ("name", "advice"), [("a.mvnx", "BVH"), ("a.csv", "C3D"), ("a.fbx", "BVH"), ("a.gz", "Unpack")]
+)
 def test_what_is_not_read_is_refused_with_what_its_program_can_export(tmp_path: Path, name: str, advice: str) -> None:
     (tmp_path / name).write_bytes(b"anything")
     with pytest.raises(BadMotion) as found:

@@ -73,7 +73,9 @@ def add_commands(commands: Commands) -> None:
     check = steps.add_parser("check", help="judge a file of joint angles: every bound, balance, still feet")
     check.add_argument("file", type=Path, help="a table with t [s] and q.<joint> [rad or m]")
     check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="fixed, or with soles and home")
-    check.add_argument("--rate", type=float, metavar="HZ", help="of the samples that are judged, 200 where none is given")
+    check.add_argument(
+        "--rate", type=float, metavar="HZ", help="of the samples that are judged, 200 where none is given"
+    )
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
 

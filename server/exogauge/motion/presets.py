@@ -74,7 +74,7 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_forearm": "{s}_RSP {s}_USP {s}RSP {s}USP",
         "{s}_hand": "{s}_HM2 {s}_HM5 {s}HM2 {s}HM5",
         "{s}_thigh": "{s}_FTC {s}_FLE {s}_FME {s}FTC {s}FLE {s}FME {s}_THI {s}_TH1 {s}_TH2 {s}_TH3 {s}_TH4",
-        "{s}_shank": "{s}_TTC {s}_FAX {s}_FAL {s}_TAM {s}TTC {s}FAX {s}FAL {s}TAM {s}_TIB {s}_SK1 {s}_SK2 {s}_SK3 {s}_SK4",
+        "{s}_shank": "{s}_TTC {s}_FAX {s}_FAL {s}_TAM {s}TTC {s}FAX {s}FAL {s}TAM {s}_TIB {s}_SK1 {s}_SK2 {s}_SK3",
         "{s}_foot": "{s}_FCC {s}_FM1 {s}_FM2 {s}_FM5 {s}FCC {s}FM1 {s}FM2 {s}FM5",
     },
     "Acclaim (CMU)": _limbs("{s}", "HUMERUS RADIUS HAND FEMUR TIBIA FOOT"),

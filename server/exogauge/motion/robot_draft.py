@@ -62,9 +62,9 @@ def _arm(urdf: bytes, content: dict[str, Any]) -> tuple[dict[str, Any], list[str
     content["home"] = {name: round(value, 3) for name, value in home.items() if value}
     content["limits"] = {"acceleration": USUAL.arm_acceleration}
     return content, [
-        "# ? base: bolted down, as no two feet were found (the last links of two legs, called sole, foot or ankle): for "
+        "# ? base: bolted down, as no two feet were found (last links of two legs, called sole, foot or ankle): for "
         "`motion excite`. A robot that stands needs base, base_link, imu, soles, human_map: docs/motion.md",
-        "# ? joints: torques are logged; of currents `actuation: current, prior: {k_T: …}`. Leave out what does not move",
+        "# ? joints: torques are logged; of currents `actuation: current, prior: {k_T: …}`. Leave out what is still",
         "# ? home: joints at zero, or as near as they may be; put it where no link is near another or the floor",
         "# ? limits: usual ones, not the maker's",
     ]

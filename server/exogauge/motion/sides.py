@@ -71,4 +71,4 @@ def _slopes(place: Array, nominal: Array) -> Array:
     here = np.where(there, place, 0.0)
     named = np.where(there[..., :1], nominal, 0.0)
     off = np.where(there, here - here.sum(axis=1, keepdims=True) / count, 0.0)
-    return np.einsum("tma,tmb->tab", off, named)
+    return np.asarray(np.einsum("tma,tmb->tab", off, named))

@@ -88,9 +88,8 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
         elif section == "root" and words[0] == "order":
             bones["root"].dof = _dof(path, words[1:], row)
         elif section == "root" and words[0] in ("axis", "orientation"):
-            if words[0] == "axis" and words[1:] != ["XYZ"] or words[0] == "orientation" and any(
-                number(path, word, row, "orientation") for word in words[1:]
-            ):
+            turned = words[0] == "orientation" and any(number(path, word, row, "orientation") for word in words[1:])
+            if turned or (words[0] == "axis" and words[1:] != ["XYZ"]):
                 raise fault(path, "a root in other axes than XYZ, or turned, is not read", "bad_axis",
                             "Export it with axis XYZ and orientation 0 0 0", row=row, value=line.strip())  # fmt: skip
         elif section == "bonedata" and words[0] == "begin":

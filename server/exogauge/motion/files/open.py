@@ -80,9 +80,9 @@ def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> 
         from exogauge.motion.files.acclaim import read_amc
 
         return read_amc(path, skeleton, angle)
-    advice = next((advice for kinds, advice in ELSEWHERE.items() if kind in kinds.split()), "")
-    raise fault(path, "no such format of motion is known", "unknown_format",
-                " ".join(filter(None, ("C3D, TRC, MOT, STO, BVH or AMC.", advice))), value=path.suffix or None)  # fmt: skip
+    beside = next((f". {advice}" for kinds, advice in ELSEWHERE.items() if kind in kinds.split()), "")
+    raise fault(path, "no such format of motion is known", "unknown_format", f"C3D, TRC, MOT, STO, BVH or AMC{beside}",
+                value=path.suffix or None)  # fmt: skip
 
 
 def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured:
@@ -215,7 +215,8 @@ def _up(
         if abs(mean[k]) > USUAL.upright * np.linalg.norm(mean) and not mean[k] * captured.up[k] > 0.0:
             seen, read = _name(np.sign(mean[k]) * np.eye(3)[k]), _name(captured.up)
             raise fault(path, f"the file says that {read} points up, and feet to head lie along {seen}", "other_up",
-                        f"Say which way is up: {seen}, or {read} of somebody who lies", column="up", value=read)  # fmt: skip
+                        f"Say which way is up: {seen}, or {read} of somebody who lies", column="up",
+                        value=read)  # fmt: skip
         return captured.up, f"read: {_name(captured.up)}"
     if tall is None:
         detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"

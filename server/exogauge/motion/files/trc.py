@@ -53,5 +53,6 @@ def read_trc(path: Path) -> Captured:
     runs = (len(time) - 1) / (time[-1] - time[0]) if len(time) > 1 and time[-1] > time[0] else 0.0
     if min(rate, runs) > 0.0 and abs(rate / runs - 1.0) > USUAL.same_rate:
         raise fault(path, f"DataRate says {rate:g} frames a second, Time {runs:g}", "two_rates",
-                    "Time is in seconds: correct it, or DataRate", row=3, column="DataRate", value=f"{rate:g}")  # fmt: skip
+                    "Time is in seconds: correct it, or DataRate", row=3, column="DataRate",
+                    value=f"{rate:g}")  # fmt: skip
     return Captured("TRC", time, unit, None, labels, points)

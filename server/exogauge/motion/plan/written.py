@@ -157,7 +157,7 @@ def _stands(robot: MotionRobot, columns: Mapping[str, Array], count: int, file: 
             raise BadMotion(Fault("the cell is neither 0 nor 1", "not_a_truth", "1 where the foot stands, else 0", file,
                                   int(wrong[0]) + 1, name, f"{columns[name][wrong[0]]:g}"))  # fmt: skip
         stands[:, f] = columns[name] == 1.0
-    flies = np.flatnonzero(~stands.any(axis=1)) if robot.soles else []
+    flies = np.flatnonzero(~stands.any(axis=1) & bool(robot.soles))
     if len(flies):
         raise BadMotion(Fault("no foot stands", "flight", "Cut the motion: a robot that stands cannot fly", file,
                               int(flies[0]) + 1, next(iter(columns))))  # fmt: skip

@@ -71,7 +71,8 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     endless = {each.get("name") for each in read_urdf(urdf).findall("joint[@type='continuous']")}
     turn = np.array([TURN if name in endless else np.inf for name in joints])
     limits = JointLimits(
-        np.maximum(tree.lower[order], -turn), np.minimum(tree.upper[order], turn), tree.velocity_limit[order], of_joints("acceleration", np.inf),
+        np.maximum(tree.lower[order], -turn), np.minimum(tree.upper[order], turn),
+        tree.velocity_limit[order], of_joints("acceleration", np.inf),
         tree.effort_limit[order] * of_joints("torque_share", 1.0), of_joints("jerk", np.inf),
     )  # fmt: skip
     posture = np.array([entry.home.get(name, 0.0) for name in joints])
