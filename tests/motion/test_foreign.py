@@ -63,6 +63,14 @@ def both(pattern: str, limbs: tuple[str, ...], sides: tuple[str, str]) -> list[s
             "UpperArm", "ForeArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
         ("VRM and Bandai Namco", ["Hips", "Chest", "Head", *both("{limb}_{s}", (
             "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("SMPL", ["pelvis", "spine3", "head", *both("{s}_{limb}", (
+            "shoulder", "elbow", "wrist", "hip", "knee", "ankle"), ("left", "right"))]),
+        ("Unity", ["Hips", "Chest", "Head", *both("{s}{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
+        ("VRoid", ["J_Bip_C_Hips", "J_Bip_C_UpperChest", "J_Bip_C_Head", *both("J_Bip_{s}_{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("Kinect", ["SpineBase", "SpineShoulder", "Head", *both("{limb}{s}", (
+            "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"), ("Left", "Right"))]),
         ("Rigify", ["spine", "spine.003", "spine.006", *both("{limb}.{s}", (
             "upper_arm", "forearm", "hand", "thigh", "shin", "foot"), ("L", "R"))]),
     ],
@@ -169,6 +177,12 @@ def test_a_trc_is_spelled_as_its_program_likes(tmp_path: Path) -> None:
         assert markers.position == pytest.approx(gone, nan_ok=True)
     path.write_text("\n".join(lines), encoding="utf-16")
     assert open_motion(path).markers is not None
+
+
+def test_a_frame_of_milliseconds_is_noticed(tmp_path: Path) -> None:
+    """Two seconds became half an hour."""
+    (tmp_path / "a.bvh").write_text(bvh(bow()).decode().replace("Frame Time: 0.016666666667", "Frame Time: 16.67"))
+    assert refused(tmp_path / "a.bvh") == ("slow_clock", None)
 
 
 def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:

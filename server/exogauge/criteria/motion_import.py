@@ -46,6 +46,7 @@ class MotionImport:
     least_foot_m: float = 0.03  # judgement: a foot's bone that reaches less far ahead says not where ahead is
     same_place: float = 0.001  # judgement: of the longest bone; what programs round a bone's place to is less
     same_rate: float = 0.05  # judgement: 59.94 Hz are stated as 60; a resampled table or milliseconds are farther off
+    longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 
