@@ -186,6 +186,35 @@ def test_a_trc_is_spelled_as_its_program_likes(tmp_path: Path) -> None:
     assert open_motion(path).markers is not None
 
 
+def test_a_unit_of_markers_that_nobody_knows_is_doubted(tmp_path: Path) -> None:
+    """Metres that are said to be millimetres: a person of two millimetres, and nothing was said."""
+    nobody = tuple(f"m{k}" for k in range(len(LABELS)))
+    for scale, doubt in ((1.0, True), (1000.0, False), (1e6, True)):
+        motion = open_motion(c3d(tmp_path / "a.c3d", scale * body(), nobody), up="z")
+        assert ("unit_doubt" in motion.told) == doubt
+
+
+def test_times_to_the_millisecond_are_even(tmp_path: Path) -> None:
+    """Of 250 Hz they were refused; a frame that is lost is so all the same."""
+    path = trc(tmp_path / "a.trc", body(40), rate=256.0)
+    lines = path.read_text().split("\n")
+    for k in range(6, len(lines) - 1):
+        frame, time, rest = lines[k].split("\t", 2)
+        lines[k] = "\t".join([frame, f"{float(time):.3f}", rest])
+    path.write_text("\n".join(lines))
+    assert open_motion(path).rate == pytest.approx(256.0, rel=0.01)
+    path.write_text("\n".join([*lines[:2], lines[2].replace("\t40\t", "\t39\t"), *lines[3:20], *lines[21:]]))
+    assert refused(path)[0] == "uneven_time"
+
+
+def test_a_header_of_a_trc_may_leave_a_cell_empty(tmp_path: Path) -> None:
+    """What followed moved up: the unit was the number of markers."""
+    path = trc(tmp_path / "a.trc", 1000 * body(), "mm")
+    lines = path.read_text().split("\n")
+    path.write_text("\n".join([*lines[:2], lines[2].replace("100.0\t100.0", "100.0\t"), *lines[3:]]))
+    assert open_motion(path).told["unit"] == "read: 0.001 m"
+
+
 def test_a_frame_of_milliseconds_is_noticed(tmp_path: Path) -> None:
     """Two seconds became half an hour."""
     (tmp_path / "a.bvh").write_text(bvh(bow()).decode().replace("Frame Time: 0.016666666667", "Frame Time: 16.67"))

@@ -102,7 +102,8 @@ def even_time(path: Path, time: Array) -> Array:
         raise fault(path, f"a frame lasts {even[1]:.3g} s", "slow_clock", "Time is in seconds", column="time",
                     value=f"{even[1]:g}")  # fmt: skip
     stray = np.abs(time - time[0] - even)
-    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
+    allowed = max(USUAL.uneven * even[1], min(USUAL.rounded_s, USUAL.rounded * even[1]))
+    if not even[1] > 0.0 or stray.max() > allowed:
         raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
                     row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
     return even
