@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exogauge.identification.per_log import PerLog
+from exogauge.identification.per_log import EVERYBODYS, PerLog
 from exogauge.logs.model import Log
 from exogauge.robots.motion import Motion
 from exogauge.side_by_side import CORES
@@ -91,3 +91,12 @@ def test_threads_that_share_it_keep_its_bound(monkeypatch):
     sums = list(side_by_side(lambda one: kept.of(one, "x", lambda: np.full(100, float(one.name))).sum(), asked))
     assert sums == [100.0 * float(one.name) for one in asked]
     assert len(kept) == 5
+
+
+def test_who_comes_later_takes_the_room_of_whoever_is_asked_no_more(monkeypatch):
+    monkeypatch.setattr(EVERYBODYS, "_most_bytes", 3 * 800)
+    one, former, latter = log(), PerLog(), PerLog()
+    for kept in (former, latter):
+        for what in ("load", "slope", "inertia"):
+            kept.of(one, what, lambda: np.zeros(100))
+    assert (len(former), len(latter)) == (0, 3)
