@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exogauge.identification.per_log import EVERYBODYS, PerLog
+from exogauge.identification.per_log import COMMON_ROOM, PerLog
 from exogauge.logs.model import Log
 from exogauge.robots.motion import Motion
 from exogauge.side_by_side import CORES
@@ -94,7 +94,7 @@ def test_threads_that_share_it_keep_its_bound(monkeypatch):
 
 
 def test_who_comes_later_takes_the_room_of_whoever_is_asked_no_more(monkeypatch):
-    monkeypatch.setattr(EVERYBODYS, "_most_bytes", 3 * 800)
+    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
     one, former, latter = log(), PerLog(), PerLog()
     for kept in (former, latter):
         for what in ("load", "slope", "inertia"):

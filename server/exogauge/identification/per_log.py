@@ -28,7 +28,7 @@ class PerLog:
     """
 
     def __init__(self, most_bytes: int | None = None, room: _Room | None = None) -> None:
-        self._room = room or (EVERYBODYS if most_bytes is None else _Room(most_bytes))
+        self._room = room or (COMMON_ROOM if most_bytes is None else _Room(most_bytes))
         finalize(self, self._room.leave, id(self))
 
     def beside(self) -> PerLog:
@@ -92,7 +92,7 @@ class _Room:
             self._bytes -= self._kept.pop(key)[2]
 
 
-EVERYBODYS = _Room(MOST_BYTES)
+COMMON_ROOM = _Room(MOST_BYTES)
 
 
 def _owner(array: NDArray[Any]) -> NDArray[Any]:
