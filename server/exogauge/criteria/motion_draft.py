@@ -17,6 +17,7 @@ class MotionDraft:
     that lies along z, where z is up. off_stop: share of a range that a joint keeps from its end."""
 
     acceleration: float = 40.0
+    arm_acceleration: float = 10.0  # [rad/s²] judgement: what makers of arms state is 7 to 20
     jerk: float = 2000.0
     sole_m: float = 0.01
     least_sole_m: float = 0.03

@@ -223,10 +223,12 @@ def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:
         if not path:
             continue
         scheme, _, rest = path.rpartition("://")
+        rest = rest.removeprefix("/") if scheme in ("package", "model") else rest  # as some write them
         outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or ".." in rest.split("/")
         if outside or scheme not in ("", "package", "model"):
             yield Fault(f"link {link.get('name')!r}: a mesh outside the bundle", "mesh_outside",
-                        "Use a relative path or package://", file, value=path[:80])  # fmt: skip
+                        "Write package://NAME/meshes/…: a file is found by how its path ends", file,
+                        value=path[:80])  # fmt: skip
 
 
 def _tree_faults(links: list[Element], joints: list[Element], file: str) -> list[Fault]:

@@ -59,6 +59,8 @@ def lines_of(path: Path) -> list[str]:
     data = path.read_bytes()
     if not data.strip():
         raise fault(path, "the file is empty", "empty_file", "Export the motion again")
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace").splitlines()
     if b"\0" in data[:4096]:
         raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
     return data.decode("utf-8-sig", errors="replace").splitlines()
@@ -81,6 +83,14 @@ def number(path: Path, text: str, row: int, column: str) -> float:
         advice = "Export it with decimal points" if "," in text else "Export the file again"
         raise fault(path, "this is no number", "not_a_number", advice, row=row, column=column, value=text)
     return value
+
+
+def not_radians(path: Path, most: float) -> None:
+    """Raises BadMotion where angles that are read as degrees are no larger than `most`: radians are not."""
+    if 0.0 < most < USUAL.least_turn_deg:
+        detail = f"no angle is larger than {most:.2g}: these are radians, or nearly nothing moves"
+        raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
+                    value=f"{most:.3g}")  # fmt: skip
 
 
 def even_time(path: Path, time: Array) -> Array:

@@ -25,7 +25,9 @@ def home_of(robot: MotionRobot) -> Array:
 
 
 def standing(robot: MotionRobot) -> tuple[pin.SE3, ...]:
-    """Poses of the soles' links at home."""
+    """Poses of the soles' links at home; none of a robot that is bolted down."""
+    if not robot.floating:
+        return ()
     pin.forwardKinematics(robot.model, robot.data, home_of(robot))
     at = (pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link)) for sole in robot.soles)
     return tuple(pin.SE3(pose) for pose in at)
