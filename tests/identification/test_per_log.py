@@ -55,21 +55,21 @@ def test_arrays_count_once_however_deep_they_lie_and_the_log_does_not():
         assert len(cache) == kept
 
 
-def test_those_who_share_a_room_share_its_bound_and_nothing_else():
-    one, own = log(), PerLog(most_bytes=3 * 800)
-    other = own.beside()
+def test_all_share_the_common_room_s_bound_and_nothing_else(monkeypatch):
+    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
+    one, own, other = log(), PerLog(), PerLog()
     own.of(one, "load", lambda: np.zeros(100))
     assert other.of(one, "load", lambda: np.ones(100)).sum() == 100.0
     assert (len(own), len(other)) == (1, 1)
     for what in ("slope", "inertia"):
         other.of(one, what, lambda: np.ones(100))
-    assert (len(own), len(other)) == (0, 3)
+    assert (len(own), len(other)) == (0, 3), "a model that is asked no more has nothing there after a while"
 
 
-def test_who_is_gone_leaves_room():
-    one, own = log(), PerLog(most_bytes=3 * 800)
+def test_who_is_gone_leaves_room(monkeypatch):
+    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
+    one, own, other = log(), PerLog(), PerLog()
     own.of(one, "load", lambda: np.zeros(100))
-    other = own.beside()
     for what in ("load", "slope"):
         other.of(one, what, lambda: np.ones(100))
     del other
@@ -91,12 +91,3 @@ def test_threads_that_share_it_keep_its_bound(monkeypatch):
     sums = list(side_by_side(lambda one: kept.of(one, "x", lambda: np.full(100, float(one.name))).sum(), asked))
     assert sums == [100.0 * float(one.name) for one in asked]
     assert len(kept) == 5
-
-
-def test_who_comes_later_takes_the_room_of_whoever_is_asked_no_more(monkeypatch):
-    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
-    one, former, latter = log(), PerLog(), PerLog()
-    for kept in (former, latter):
-        for what in ("load", "slope", "inertia"):
-            kept.of(one, what, lambda: np.zeros(100))
-    assert (len(former), len(latter)) == (0, 3)

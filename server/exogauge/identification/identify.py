@@ -205,7 +205,7 @@ def _model(
         order={recording.log.name: number for number, recording in enumerate(recordings)},
         criteria=settings.criteria,
         prepared=made.kept,
-        computed=made.kept.beside(),
+        computed=PerLog(),
         attached=made.attached,
     )
 

@@ -27,13 +27,9 @@ class PerLog:
     room, so that a model that is asked no more has nothing there after a while; most_bytes: in one of its own.
     """
 
-    def __init__(self, most_bytes: int | None = None, room: _Room | None = None) -> None:
-        self._room = room or (COMMON_ROOM if most_bytes is None else _Room(most_bytes))
+    def __init__(self, most_bytes: int | None = None) -> None:
+        self._room = COMMON_ROOM if most_bytes is None else _Room(most_bytes)
         finalize(self, self._room.leave, id(self))
-
-    def beside(self) -> PerLog:
-        """Another one in the same room: what is kept here may have to go for what is kept there."""
-        return PerLog(room=self._room)
 
     def of(self, log: Log, what: str, compute: Callable[[], V]) -> V:
         """What is known of this log, else `compute()`, which is kept."""
