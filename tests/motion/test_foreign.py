@@ -63,6 +63,14 @@ def both(pattern: str, limbs: tuple[str, ...], sides: tuple[str, str]) -> list[s
             "UpperArm", "ForeArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
         ("VRM and Bandai Namco", ["Hips", "Chest", "Head", *both("{limb}_{s}", (
             "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("SMPL", ["pelvis", "spine3", "head", *both("{s}_{limb}", (
+            "shoulder", "elbow", "wrist", "hip", "knee", "ankle"), ("left", "right"))]),
+        ("Unity", ["Hips", "Chest", "Head", *both("{s}{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
+        ("VRoid", ["J_Bip_C_Hips", "J_Bip_C_UpperChest", "J_Bip_C_Head", *both("J_Bip_{s}_{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("Kinect", ["SpineBase", "SpineShoulder", "Head", *both("{limb}{s}", (
+            "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"), ("Left", "Right"))]),
         ("Rigify", ["spine", "spine.003", "spine.006", *both("{limb}.{s}", (
             "upper_arm", "forearm", "hand", "thigh", "shin", "foot"), ("L", "R"))]),
     ],
@@ -119,8 +127,15 @@ def test_left_and_right_exchanged_are_told_and_refused(tmp_path: Path, wrong: st
     with pytest.raises(BadMotion) as found:
         person_of(motion)
     assert found.value.faults[0].rule == "mirrored"
-    (tmp_path / "a.bvh").write_bytes(bvh(bow(30.0)))
-    assert "sides_doubt" not in open_motion(tmp_path / "a.bvh").told
+    whole = bvh(bow(30.0)).decode()
+    heel = "JOINT {}Heel\n{{\nOFFSET 0 -6 -7\nCHANNELS 0\n}}\nJOINT {}Toe\n{{\nOFFSET 0 -8 15\nCHANNELS 0\n}}\n"
+    for side in ("Left", "Right"):
+        before, foot, after = whole.partition(f"JOINT {side}Foot")
+        begin, end = after.index("End Site"), after.index("}", after.index("End Site")) + 2
+        whole = before + foot + after[:begin] + heel.format(side, side) + after[end:]
+    for right in (bvh(bow(30.0)).decode(), whole):  # a heel may come before the toes
+        (tmp_path / "a.bvh").write_text(right)
+        assert "sides_doubt" not in open_motion(tmp_path / "a.bvh").told
 
 
 def test_a_file_that_says_another_axis_than_the_body_stands_along_asks(tmp_path: Path) -> None:
@@ -169,6 +184,41 @@ def test_a_trc_is_spelled_as_its_program_likes(tmp_path: Path) -> None:
         assert markers.position == pytest.approx(gone, nan_ok=True)
     path.write_text("\n".join(lines), encoding="utf-16")
     assert open_motion(path).markers is not None
+
+
+def test_a_unit_of_markers_that_nobody_knows_is_doubted(tmp_path: Path) -> None:
+    """Metres that are said to be millimetres: a person of two millimetres, and nothing was said."""
+    nobody = tuple(f"m{k}" for k in range(len(LABELS)))
+    for scale, doubt in ((1.0, True), (1000.0, False), (1e6, True)):
+        motion = open_motion(c3d(tmp_path / "a.c3d", scale * body(), nobody), up="z")
+        assert ("unit_doubt" in motion.told) == doubt
+
+
+def test_times_to_the_millisecond_are_even(tmp_path: Path) -> None:
+    """Of 250 Hz they were refused; a frame that is lost is so all the same."""
+    path = trc(tmp_path / "a.trc", body(40), rate=256.0)
+    lines = path.read_text().split("\n")
+    for k in range(6, len(lines) - 1):
+        frame, time, rest = lines[k].split("\t", 2)
+        lines[k] = "\t".join([frame, f"{float(time):.3f}", rest])
+    path.write_text("\n".join(lines))
+    assert open_motion(path).rate == pytest.approx(256.0, rel=0.01)
+    path.write_text("\n".join([*lines[:2], lines[2].replace("\t40\t", "\t39\t"), *lines[3:20], *lines[21:]]))
+    assert refused(path)[0] == "uneven_time"
+
+
+def test_a_header_of_a_trc_may_leave_a_cell_empty(tmp_path: Path) -> None:
+    """What followed moved up: the unit was the number of markers."""
+    path = trc(tmp_path / "a.trc", 1000 * body(), "mm")
+    lines = path.read_text().split("\n")
+    path.write_text("\n".join([*lines[:2], lines[2].replace("100.0\t100.0", "100.0\t"), *lines[3:]]))
+    assert open_motion(path).told["unit"] == "read: 0.001 m"
+
+
+def test_a_frame_of_milliseconds_is_noticed(tmp_path: Path) -> None:
+    """Two seconds became half an hour."""
+    (tmp_path / "a.bvh").write_text(bvh(bow()).decode().replace("Frame Time: 0.016666666667", "Frame Time: 16.67"))
+    assert refused(tmp_path / "a.bvh") == ("slow_clock", None)
 
 
 def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:

@@ -114,3 +114,14 @@ def test_meshes_beside_a_folder_are_opened_for_ones_own_files_alone(tmp_path: Pa
     assert opened("package://elsewhere/other/link.stl") is None
     assert opened("link.stl") is None
     assert opened("package:///b/link.stl") == b"b"
+
+
+def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: Path, capsys) -> None:
+    """Pairs that are near at home are never looked at: seen in a plan's small print alone."""
+    shutil.copy(stock("baxter_description/urdf/baxter.urdf"), tmp_path / "baxter.urdf")
+    assert main(["motion", "robot", str(tmp_path / "baxter.urdf")]) == 0
+    said = capsys.readouterr().out
+    assert "right_upper_elbow_visual and right_lower_elbow" in said
+    assert "nearer than 10 mm at home, and so never looked at" in said
+    assert main(["motion", "excite", "--robot", str(tmp_path / "robot.yaml")]) != 0
+    assert re.search(r"torque of right_s1: 1\d\d % of it", capsys.readouterr().err)  # arms straight out sideways

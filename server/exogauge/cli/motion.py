@@ -180,8 +180,11 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
     """1 where something is lacking."""
     import yaml
 
+    from exogauge.criteria.motion_plan import USUAL
+    from exogauge.motion.plan.outcome import unseen
     from exogauge.motion.robot_draft import draft_of
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.touching import Pairs
 
     content, told = draft_of(urdf, file.name, file.parent)
     head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
@@ -190,7 +193,13 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
     lacks = any(each.startswith("# !") for each in told)
     if not lacks:
         robot = load_motion_robot(out, beside=True)
-        _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}, False)
+        near = Pairs(robot, USUAL.clearance_m).left_out
+        said = {"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}
+        if near:
+            said["may touch"] = (", ".join(" and ".join(pair) for pair in near)
+                                 + f": nearer than {1e3 * USUAL.clearance_m:g} mm at home, and so never looked at; "
+                                 "move `home` where that is not meant")  # fmt: skip
+        _print(said | unseen(robot), False)
     _print({"written": out.name}, False)
     return 1 if lacks else 0
 

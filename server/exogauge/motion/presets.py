@@ -12,8 +12,9 @@ _LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
 
 
 def _limbs(before: str, names: str) -> dict[str, str]:
-    """Of a skeleton's bones, in the order of `_LIMBS`."""
-    return {f"{{s}}_{limb}": before + name for limb, name in zip(_LIMBS, names.split(), strict=True)}
+    """Of a skeleton's bones, in the order of `_LIMBS`. before: what stands there, or there in other files."""
+    return {f"{{s}}_{limb}": " ".join(each + name for each in before.split(" "))
+            for limb, name in zip(_LIMBS, names.split(), strict=True)}  # fmt: skip
 
 
 _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
@@ -85,10 +86,13 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
     "Motive": _limbs("{s}", "UARM FARM HAND THIGH SHIN FOOT"),
     "Rokoko": _limbs("{side}", "ARM FOREARM HAND THIGH SHIN FOOT"),
     "Daz and Poser": _limbs("{s}", "SHLDR FOREARM HAND THIGH SHIN FOOT"),
-    "SMPL": _limbs("{s}_", "SHOULDER ELBOW WRIST HIP KNEE ANKLE"),
+    "SMPL": _limbs("{s}_ {side}_", "SHOULDER ELBOW WRIST HIP KNEE ANKLE"),
     "Xsens MVN's segments": _limbs("{side}", "UPPERARM FOREARM HAND UPPERLEG LOWERLEG FOOT"),
     "Unreal": _limbs("", "UPPERARM_{s} LOWERARM_{s} HAND_{s} THIGH_{s} CALF_{s} FOOT_{s}"),
     "VRM and Bandai Namco": _limbs("", "UPPERARM_{s} LOWERARM_{s} HAND_{s} UPPERLEG_{s} LOWERLEG_{s} FOOT_{s}"),
+    "Unity": _limbs("{side}", "UPPERARM LOWERARM HAND UPPERLEG LOWERLEG FOOT"),
+    "VRoid": _limbs("{s}_", "UPPERARM LOWERARM HAND UPPERLEG LOWERLEG FOOT"),
+    "Kinect": _limbs("", "SHOULDER{side} ELBOW{side} WRIST{side} HIP{side} KNEE{side} ANKLE{side}"),
     "Rigify": _limbs("", "UPPER_ARM.{s} FOREARM.{s} HAND.{s} THIGH.{s} SHIN.{s} FOOT.{s}"),
 }  # fmt: skip
 _MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arms say which it is
@@ -107,6 +111,9 @@ _MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arm
     "Xsens MVN's segments": {"pelvis": "PELVIS", "thorax": "T8", "head": "HEAD"},
     "Unreal": {"pelvis": "PELVIS", "thorax": "SPINE_03", "head": "HEAD"},
     "VRM and Bandai Namco": {"pelvis": "HIPS", "thorax": "CHEST", "head": "HEAD"},
+    "Unity": {"pelvis": "HIPS", "thorax": "CHEST", "head": "HEAD"},
+    "VRoid": {"pelvis": "C_HIPS", "thorax": "C_UPPERCHEST C_CHEST", "head": "C_HEAD"},
+    "Kinect": {"pelvis": "SPINEBASE", "thorax": "SPINESHOULDER", "head": "HEAD"},
     "Rigify": {"pelvis": "SPINE HIPS", "thorax": "SPINE.003 CHEST", "head": "SPINE.006 HEAD"},
     "OpenSim's gait models": {"pelvis": "V.SACRAL", "thorax": "STERNUM", "head": "TOP.HEAD"},
     "Visual3D and IOR": {"thorax": "CV7 TV2 TV8 TV10 MAI SJN SXS SME", "head": "SGL"},

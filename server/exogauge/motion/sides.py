@@ -43,10 +43,20 @@ def _tree(tree: JointTree) -> tuple[Array, list[Array]]:
     bone = {part: tree.names.index(name) for name, part in reversed(list(tree.segment.items()))}
     if not {"l_thigh", "r_thigh", "l_foot", "r_foot"} <= set(bone):
         return np.zeros((1, 3)), []
-    feet = [bone["l_foot"], bone["r_foot"]]
-    along = (tree.end[:, feet] - tree.position[:, feet]) * (1.0 - UP)
-    along[np.linalg.norm(along, axis=2) < USUAL.least_foot_m] = np.nan
-    return tree.position[:, bone["l_thigh"]] - tree.position[:, bone["r_thigh"]], [along.mean(axis=1)]
+    along = np.mean([_to_toes(tree, bone[foot]) for foot in ("l_foot", "r_foot")], axis=0)
+    return tree.position[:, bone["l_thigh"]] - tree.position[:, bone["r_thigh"]], [along]
+
+
+def _to_toes(tree: JointTree, foot: int) -> Array:
+    """(T, 3), level, from the ankle to what of the foot lies farthest from it: some have bones of the heel too."""
+    own = [foot]
+    for k in range(foot + 1, len(tree.names)):
+        if tree.parent[k] in own:
+            own.append(k)
+    ends = np.concatenate([tree.position[:, own], tree.end[:, own]], axis=1)
+    level = (ends - tree.position[:, [foot]]) * (1.0 - UP)
+    far = np.median(np.linalg.norm(level, axis=2), axis=0)
+    return level[:, int(far.argmax())] if far.max() > USUAL.least_foot_m else np.full(level[:, 0].shape, np.nan)
 
 
 def _markers(markers: Markers) -> tuple[Array, list[Array]]:

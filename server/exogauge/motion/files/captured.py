@@ -98,8 +98,12 @@ def even_time(path: Path, time: Array) -> Array:
     if len(time) < 2:
         raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
     even = np.linspace(0.0, time[-1] - time[0], len(time))
+    if even[1] > USUAL.longest_frame_s:
+        raise fault(path, f"a frame lasts {even[1]:.3g} s", "slow_clock", "Time is in seconds", column="time",
+                    value=f"{even[1]:g}")  # fmt: skip
     stray = np.abs(time - time[0] - even)
-    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
+    allowed = max(USUAL.uneven * even[1], min(USUAL.rounded_s, USUAL.rounded * even[1]))
+    if not even[1] > 0.0 or stray.max() > allowed:
         raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
                     row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
     return even

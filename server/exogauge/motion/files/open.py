@@ -171,6 +171,10 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
             raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm, in or cmu", column="unit",
                         value=told["unit"])  # fmt: skip
     turn = _upright(axis)
+    if tall is None and body is None:
+        over = metres * np.nanmedian(_reach(points))
+        if not USUAL.shortest_m / USUAL.no_body <= over <= USUAL.widest_m:
+            told["unit_doubt"] = f"no names of feet and head are known, and the markers lie {over:.3g} m apart"
     if body is None:
         place = points @ turn.T * metres
         away = np.abs(place).max(axis=2) > USUAL.farthest_m
@@ -187,6 +191,12 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
 
 def _with_sides(motion: HumanMotion) -> HumanMotion:
     return replace(motion, told={**motion.told, "sides_doubt": f"{DOUBT}. {WHY}"}) if exchanged(motion) else motion
+
+
+def _reach(points: Array) -> Array:
+    """(T',) widest side of the box around what is seen in a frame, of frames that show two."""
+    shown = points[np.isfinite(points[..., 0]).sum(axis=1) > 1]
+    return np.asarray((np.nanmax(shown, axis=1) - np.nanmin(shown, axis=1)).max(axis=1))
 
 
 def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segment]) -> Array | None:

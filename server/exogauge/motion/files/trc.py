@@ -15,7 +15,10 @@ def read_trc(path: Path) -> Captured:
     lines = lines_of(path)
     if len(lines) < 6 or not lines[0].startswith("PathFileType"):
         raise fault(path, "the first line is not that of a TRC file", "not_trc", "It begins with PathFileType", row=1)
-    header = dict(zip(lines[1].split(), lines[2].split(), strict=False))
+    names, said = ([text.strip() for text in line.rstrip().split("\t")] for line in lines[1:3])
+    if len(names) != len(said):  # neither tabs nor all of them: as they follow
+        names, said = lines[1].split(), lines[2].split()
+    header = dict(zip(names, said, strict=False))
     labels = tuple(text.strip() for text in lines[3].split("\t")[2:] if text.strip())
     stated, unit = header.get("NumMarkers", ""), METRES.get(header.get("Units", "").lower())
     if not labels:
