@@ -147,3 +147,17 @@ def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: P
     assert "nearer than 10 mm at home, and so never looked at" in said
     assert main(["motion", "excite", "--robot", str(tmp_path / "robot.yaml")]) != 0
     assert re.search(r"torque of right_s1: 1\d\d % of it", capsys.readouterr().err)  # arms straight out sideways
+
+
+def test_a_robot_of_which_nothing_is_logged_is_not_excited(tmp_path: Path, capsys) -> None:
+    """After the whole search it was told that no joint moves steadily in any log."""
+    path = sample_folder(tmp_path)
+    content = yaml.safe_load(path.read_text())
+    content["joints"] = [{"name": each["name"], "actuation": "none"} for each in content["joints"]]
+    content.pop("ft_sensors", None)
+    path.write_text(yaml.safe_dump(content))
+    assert main(["motion", "excite", "--robot", str(path)]) == 2
+    said = capsys.readouterr()
+    assert "nothing can be identified" in said.err
+    assert "actuation: torque" in said.err
+    assert "search" not in said.err
