@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.findings.verdict import Objection, Why
+from exogauge.identification.equations import Equations
 from exogauge.identification.model import AddedEffect, Effect, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
@@ -29,14 +30,15 @@ from exogauge.search.baseline import Ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.creeping import creeping, is_soft
 from exogauge.search.doubt import Named, gone, not_worth
-from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection, tell
+from exogauge.search.final_numbers import place_of
+from exogauge.search.finding import Told, channel_of, low_passed, name_effect, objection, rejection, tell
 from exogauge.search.judge import Judgement, judge, not_named
 from exogauge.search.locate import channels, pooled
 from exogauge.search.noise_taken import noise_taken
 from exogauge.search.refine import closely, closest, refined, with_it
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
-from exogauge.search.state import Problem, Search, Step
+from exogauge.search.state import Key, Problem, Search, Step, rounds_of
 from exogauge.side_by_side import each as side_by_side
 
 
@@ -77,31 +79,90 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
     search = replace(search, rejected=rejected)
     criteria = problem.settings.criteria
     claimed = [each for each in judged if not each.objection and each.score.candidate.key not in search.failed]
-    for first in claimed if len(search.steps) < criteria.search.most_effects else []:
+    rounds = sum(not each.beside for each in search.steps)
+    for first in claimed if rounds < criteria.search.most_effects else []:
         rows = rows or collect_rows(ground.model, problem.recordings, [each.score.candidate.site for each in judged])
-        winner = _weighed(search, with_closest_shape(ground, first, rows))
+        winner = _to_the_end(search, ground, first, rows)
         judged = [winner if each is first else each for each in judged]
-        candidate = winner.score.candidate
-        noise = _noise_alone(search, ground, winner, rows[candidate.site])
+        noise = _noise_alone(search, ground, winner, rows[winner.score.candidate.site])
         if noise:
-            search = search.having_failed(candidate.key, rejection(ground.model, winner, noise))
+            search = search.having_failed(winner.score.candidate.key, rejection(ground.model, winner, noise))
             continue
-        problem.tell(0.0, Doing.ADDING_EFFECT, candidate.effect.name)
-        added, told, rows = as_added(candidate), tell(ground.model, winner, judged, rows), {}
+        others = {id(each): _to_the_end(search, ground, each, rows) for each in _as_clear(ground, winner, claimed)}
+        judged = [others.get(id(each), each) for each in judged]
+        beside = [each for each in others.values() if not each.objection
+                  and not _noise_alone(search, ground, each, rows[each.score.candidate.site])]  # fmt: skip
+        told = {each.score.candidate.key: tell(ground.model, each, judged, rows) for each in (winner, *beside)}
+        rows = {}
         give_back()  # what the rows held, which the next ground needs
-        found = search.identified([*search.added, added])
-        search, following = search.screened(found)
-        kind = _kind_that_gains(search, winner, ground, following)
-        without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
-        size = gone(without, with_it)
-        rank = len(search.steps) + 1
-        finding = name_effect(rank, ground.model, winner, told, search.current, found, kind)
-        refused = objection(finding, without, with_it, criteria.judging) or _not_worth(search, winner, kind, size)
-        if not refused:
-            step = Step(added, finding, found, size, told.undecided)
-            return replace(search, steps=(*search.steps, step)), following
-        search = search.having_failed(candidate.key, rejection(ground.model, winner, refused))
+        search, following = _with_all(search, ground, [winner, *beside], told)
+        if following is not None:
+            return search, following
     return search, None
+
+
+def _to_the_end(
+    search: Search, ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]
+) -> Judgement:
+    """With its shapes searched to the end, and an objection where it is not worth a name."""
+    return _weighed(search, with_closest_shape(ground, judged, rows))
+
+
+def _as_clear(ground: Ground, winner: Judgement, claimed: Sequence[Judgement]) -> list[Judgement]:
+    """The same effect where other joints show it beyond doubt and nothing explains their rows better: drives of one
+    make lack the same. They share no row with the winner, nor with each other, so that none can be another's shadow in
+    its own rows."""
+    equations, clear = ground.model.equations, ground.model.criteria.search.clear
+    effect, taken = winner.score.candidate.effect, _rows_of(winner, equations)
+    found = list[Judgement]()
+    if winner.score.elsewhere or not isinstance(winner.score.candidate.site, AxisSite):
+        return found
+    for each in claimed:
+        own = _rows_of(each, equations)
+        first = not own & taken
+        taken |= own  # whatever explains these rows best, they are spoken for
+        at_joint = isinstance(each.score.candidate.site, AxisSite) and each.score.candidate.effect is effect
+        if first and at_joint and not each.score.elsewhere and each.score.evidence > clear:
+            found.append(each)
+    return found
+
+
+def _rows_of(judged: Judgement, equations: Equations) -> set[int]:
+    return set(judged.score.candidate.site.kinds(equations))
+
+
+def _with_all(
+    search: Search, ground: Ground, batch: Sequence[Judgement], told: Mapping[Key, Told]
+) -> tuple[Search, Ground | None]:
+    """With those of a round that hold once the robot is identified with all of them, and the next ground; None where
+    the first does not hold, and with it none is added."""
+    begun, before = search, search.current
+    search.problem.tell(0.0, Doing.ADDING_EFFECT, batch[0].score.candidate.effect.name)
+    after = search.identified([*search.added, *(as_added(each.score.candidate) for each in batch)])
+    search, following = search.screened(after)
+    refused = dict[Key, Objection]()
+    for number, each in enumerate(batch):
+        key = each.score.candidate.key
+        kind = _kind_that_gains(search, each, ground, following)
+        without, with_it = (low_passed(one, kind, each.logs) for one in (ground, following))
+        size = gone(without, with_it)
+        finding = name_effect(len(search.steps) + 1, ground.model, each, told[key], before, after, kind)
+        objecting = objection(finding, without, with_it, search.problem.settings.criteria.judging)
+        objecting = objecting or _not_worth(search, each, kind, size)
+        if objecting:
+            refused[key] = objecting
+            continue
+        step = Step(as_added(each.score.candidate), finding, after, size, told[key].undecided, beside=number > 0)
+        search = replace(search, steps=(*search.steps, step))
+    if not refused:
+        return search, following
+    for each in batch:
+        key = each.score.candidate.key
+        if key in refused:
+            begun = begun.having_failed(key, rejection(ground.model, each, refused[key]))
+    held = [each for each in batch if each.score.candidate.key not in refused]
+    begun = replace(begun, tried=search.tried, rounds=search.rounds)
+    return _with_all(begun, ground, held, told) if batch[0] in held else (begun, None)
 
 
 def _weighed(search: Search, judged: Judgement) -> Judgement:
@@ -296,8 +357,11 @@ def without_what_is_not_needed(search: Search) -> Search:
     """An earlier effect that a later one explains too goes: at its place, or at one that is nearly alike, such as
     another axis of a sensor on a body that turns."""
     criteria, number = search.problem.settings.criteria.search, 0
-    while number < len(search.steps) - 1:
+    while number < len(search.steps) - 1 or (search.steps[number:] and search.steps[number].beside):
         step, kept = search.steps[number], search.without(number)
+        if _surely_needed(search, number):
+            number += 1
+            continue
         without = search.identified([each.added for each in kept])
         channel = step.finding.held_out.channel
         now, then = (_held_out_rmse(each, channel) for each in (search.current, without))
@@ -306,6 +370,21 @@ def without_what_is_not_needed(search: Search) -> Search:
         else:
             search = taken_out(search, number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
     return search
+
+
+def _surely_needed(search: Search, number: int) -> bool:
+    """Whether the fitted rows that it acts on miss it so much, all else fitted anew, that held-out ones need not be
+    asked, which takes an identification."""
+    added, solution = search.steps[number].added, search.current.model.solution
+    own = np.arange(len(solution.unbounded.x))[place_of(search.current.model, added)]
+    unit = np.zeros((len(solution.unbounded.x), len(own)))
+    unit[own, np.arange(len(own))] = 1.0
+    doubt = solution.unbounded.divided(unit)
+    x = solution.unbounded.x - doubt @ np.linalg.lstsq(doubt[own], solution.unbounded.x[own], rcond=None)[0]
+    kinds = [kind for kind in added.site.kinds(search.current.model.equations) if solution.weights[kind] > 0.0]
+    then, now = (sum(solution.weights[k] * solution.statistics.left(k, at) for k in kinds)
+                 for at in (x, solution.unbounded.x))  # fmt: skip
+    return bool(then > search.problem.settings.criteria.search.surely_needed**2 * now)
 
 
 def taken_back(search: Search, number: int, objection: Objection) -> Search:
@@ -322,13 +401,15 @@ def taken_out(search: Search, number: int, objection: Objection) -> Search:
 
 
 def identified_again(search: Search, kept: Sequence[Step], begun: tuple[Step, ...] = ()) -> Search:
-    """With these steps, one after the other; their findings keep what was said of them. begun: those before them, which
-    stay as they are."""
+    """With these steps, one round after the other; their findings keep what was said of them. begun: those before them,
+    which stay as they are."""
     search = replace(search, steps=begun)
-    for rank, each in enumerate(kept, len(begun) + 1):
-        found = search.identified([*search.added, each.added])
-        step = replace(each, finding=replace(each.finding, rank=rank), found=found)
-        search = replace(search, steps=(*search.steps, step))
+    for together in rounds_of(kept):
+        found = search.identified([*search.added, *(each.added for each in together)])
+        first = len(search.steps) + 1
+        steps = [replace(each, finding=replace(each.finding, rank=rank), found=found, beside=rank > first)
+                 for rank, each in enumerate(together, first)]  # fmt: skip
+        search = replace(search, steps=(*search.steps, *steps))
     return search
 
 
