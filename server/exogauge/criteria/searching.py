@@ -65,7 +65,7 @@ class Searching:
     surely_needed: float = criterion(
         1.05,
         "1",
-        "fitted error of its rows without an effect over that with it, from which it is needed unasked: ten times that",
+        "the same of the fitted logs, of the rows that it acts on, from which it is needed unasked: ten times that",
         derived("1 + 10 (1.005 - 1)"),
     )
     relinearised: int = criterion(

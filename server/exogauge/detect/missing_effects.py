@@ -28,8 +28,9 @@ from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
 from exogauge.search.partial import without_partial_names
 from exogauge.search.residual_correction import Bend, own_curves, remainders
-from exogauge.search.search import searched, taken_back
+from exogauge.search.search import searched
 from exogauge.search.state import Problem, Search, rounds_of
+from exogauge.search.taken_out import taken_back
 
 
 def missing_effects(so_far: SoFar) -> SoFar:

@@ -17,8 +17,8 @@ from exogauge.identification.sites import BaseSite, SensorSite
 from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
-from exogauge.search.search import taken_out
 from exogauge.search.state import Search
+from exogauge.search.taken_out import taken_out
 
 
 def without_partial_names(
