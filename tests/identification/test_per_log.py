@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exogauge.identification.per_log import PerLog
+from exogauge.identification.per_log import COMMON_ROOM, PerLog
 from exogauge.logs.model import Log
 from exogauge.robots.motion import Motion
 from exogauge.side_by_side import CORES
@@ -55,21 +55,21 @@ def test_arrays_count_once_however_deep_they_lie_and_the_log_does_not():
         assert len(cache) == kept
 
 
-def test_those_who_share_a_room_share_its_bound_and_nothing_else():
-    one, own = log(), PerLog(most_bytes=3 * 800)
-    other = own.beside()
+def test_all_share_the_common_room_s_bound_and_nothing_else(monkeypatch):
+    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
+    one, own, other = log(), PerLog(), PerLog()
     own.of(one, "load", lambda: np.zeros(100))
     assert other.of(one, "load", lambda: np.ones(100)).sum() == 100.0
     assert (len(own), len(other)) == (1, 1)
     for what in ("slope", "inertia"):
         other.of(one, what, lambda: np.ones(100))
-    assert (len(own), len(other)) == (0, 3)
+    assert (len(own), len(other)) == (0, 3), "a model that is asked no more has nothing there after a while"
 
 
-def test_who_is_gone_leaves_room():
-    one, own = log(), PerLog(most_bytes=3 * 800)
+def test_who_is_gone_leaves_room(monkeypatch):
+    monkeypatch.setattr(COMMON_ROOM, "_most_bytes", 3 * 800)
+    one, own, other = log(), PerLog(), PerLog()
     own.of(one, "load", lambda: np.zeros(100))
-    other = own.beside()
     for what in ("load", "slope"):
         other.of(one, what, lambda: np.ones(100))
     del other

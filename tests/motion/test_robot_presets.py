@@ -114,11 +114,3 @@ def test_legs_whose_limits_let_no_knee_go_ahead_are_told(tmp_path: Path, capsys)
         assert re.search(rf"{side}LEG_ANKLE_P takes -0\.3\d rad, its limit is 0 to 2\.618", told)
     assert "correct its <limit> in the URDF" in told
     assert not {"LLEG_HIP_P", "RLEG_HIP_P"} & set(yaml.safe_load((tmp_path / "robot.yaml").read_text())["home"])
-
-
-def test_a_robot_without_feet_is_told(tmp_path: Path, capsys) -> None:
-    urdf = stock("panda_description/urdf/panda.urdf", tmp_path)
-    assert main(["motion", "robot", str(urdf)]) == 2
-    assert "no two feet were found" in capsys.readouterr().err
-    assert main(["motion", "robot", str(urdf), "--preset", "talos"]) == 2
-    assert not (tmp_path / "robot.yaml").exists()

@@ -130,10 +130,12 @@ def test_the_heavy_moment_is_told_with_its_link_value_and_advice():
     assert fault.advice
 
 
-def test_a_link_without_inertia_and_a_frame_of_zeros_are_fine():
-    frame = _link("f", mass="0", inertia=_spread(0, 0, 0))
+def test_a_link_without_inertia_and_one_of_zeros_are_fine():
+    """Fingers of zeros were refused until their <inertial> was deleted, of Romeo by hand, 24 times."""
+    frame, finger = (_link(name, mass="0", inertia=_spread(0, 0, 0)) for name in "fg")
     mesh = MESH.format("package://r/meshes/a.stl")
-    check_urdf(_robot(*TWO, '<link name="c"/>', frame, _joint("k", "b", "c"), _joint("l", "b", "f", "fixed", mesh)))
+    check_urdf(_robot(*TWO, '<link name="c"/>', frame, finger, _joint("k", "b", "c"), _joint("m", "c", "g"),
+                      _joint("l", "b", "f", "fixed", mesh)))  # fmt: skip
 
 
 def test_a_flat_plate_rounded_to_seven_digits_is_accepted():

@@ -7,7 +7,7 @@ import pytest
 
 from exogauge.criteria.supporting import Supporting
 from exogauge.support.best import best
-from exogauge.support.peak import peak_places
+from exogauge.support.peak import peak_places, same_moments
 from exogauge.support.repeatability import Null
 
 
@@ -48,7 +48,7 @@ def test_a_peak_is_not_too_large_because_its_largest_sample_was_chosen():
     for _ in range(60):
         runs = [3.0 * bell + 0.3 * np.repeat(rng.standard_normal(28), 50) for _ in range(5)]
         used = [np.ones_like(time, dtype=bool)] * 5
-        places = peak_places([time] * 5, [0.0] * 5, runs, [None] * 5, used, 0.2)
+        places = peak_places([time] * 5, same_moments([time] * 5, [0.0] * 5), runs, [None] * 5, used, 0.2)
         errors.append(np.mean([value for _, value in places]) - 3.0)
         naive.append(np.mean([run.max() for run in runs]) - 3.0)
     assert np.mean(naive) > 0.2
@@ -58,7 +58,9 @@ def test_a_peak_is_not_too_large_because_its_largest_sample_was_chosen():
 def test_runs_that_begin_at_other_times_are_read_at_the_same_moment():
     time = np.arange(0.0, 10.0, 0.01)
     runs = [np.exp(-((time - 5.0 - shift) ** 2)) for shift in (0.0, 0.7)]
-    places = peak_places([time] * 2, [0.0, 0.7], runs, [None] * 2, [np.ones_like(time, dtype=bool)] * 2, 0.2)
+    places = peak_places(
+        [time] * 2, same_moments([time] * 2, [0.0, 0.7]), runs, [None] * 2, [np.ones_like(time, dtype=bool)] * 2, 0.2
+    )
     assert [time[top] for top, _ in places] == pytest.approx([5.0, 5.7], abs=0.02)
 
 
@@ -66,5 +68,5 @@ def test_a_single_run_is_read_where_the_band_model_is_largest():
     time = np.arange(0.0, 10.0, 0.01)
     model, line = np.exp(-((time - 5.0) ** 2)), np.exp(-((time - 5.0) ** 2))
     line[100:140] += 4.0
-    (place,) = peak_places([time], [0.0], [line], [model], [np.ones_like(time, dtype=bool)], 0.2)
+    (place,) = peak_places([time], same_moments([time], [0.0]), [line], [model], [np.ones_like(time, dtype=bool)], 0.2)
     assert place[1] == pytest.approx(1.0, abs=0.02)

@@ -72,7 +72,10 @@ def add_commands(commands: Commands) -> None:
 
     check = steps.add_parser("check", help="judge a file of joint angles: every bound, balance, still feet")
     check.add_argument("file", type=Path, help="a table with t [s] and q.<joint> [rad or m]")
-    check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles and home")
+    check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="fixed, or with soles and home")
+    check.add_argument(
+        "--rate", type=float, metavar="HZ", help="of the samples that are judged, 200 where none is given"
+    )
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
 
@@ -167,7 +170,7 @@ def write_robot(args: argparse.Namespace) -> int:
     head = (f"# Preset {preset.name}. Soles and shapes: {preset.source}. Limits of acceleration and jerk: usual ones,\n"
             "# not the maker's. Look at them before a robot moves.\n")  # fmt: skip
     out.write_text(head + content)
-    robot = load_motion_robot(out)
+    robot = load_motion_robot(out, beside=True)
     _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg", "soles and shapes": preset.source,
             "acceleration, jerk": "usual ones, not the maker's", "written": out.name}, False)  # fmt: skip
     return 0
@@ -177,17 +180,34 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
     """1 where something is lacking."""
     import yaml
 
-    from exogauge.motion.robot_draft import draft_of
+    from exogauge.criteria.motion_plan import USUAL
+    from exogauge.motion.plan.outcome import unseen
+    from exogauge.motion.robot_draft import arms_aside, draft_of
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.touching import Pairs
+
+    def write() -> None:
+        head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
+        out.write_text("\n".join(head) + "\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
 
     content, told = draft_of(urdf, file.name, file.parent)
-    head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
-    out.write_text("\n".join(head) + "\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
-    print("\n".join(told))
+    write()
     lacks = any(each.startswith("# !") for each in told)
-    if not lacks:
-        robot = load_motion_robot(out)
-        _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}, False)
+    robot = None if lacks else load_motion_robot(out, beside=True)
+    if robot is not None and (aside := arms_aside(robot, USUAL.clearance_m)):
+        content["home"] |= aside
+        told.append(f"# ? home: {', '.join(aside)} take forearms and hands off the body, where they lay against it")
+        write()
+        robot = load_motion_robot(out, beside=True)
+    print("\n".join(told))
+    if robot is not None:
+        near = Pairs(robot, USUAL.clearance_m).left_out
+        said = {"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}
+        if near:
+            said["may touch"] = (", ".join(" and ".join(pair) for pair in near)
+                                 + f": nearer than {1e3 * USUAL.clearance_m:g} mm at home, and so never looked at; "
+                                 "move `home` where that is not meant")  # fmt: skip
+        _print(said | unseen(robot), False)
     _print({"written": out.name}, False)
     return 1 if lacks else 0
 
@@ -200,9 +220,9 @@ def check_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
-    robot = load_motion_robot(args.robot)
+    robot = load_motion_robot(args.robot, beside=True)
     written = read_written(robot, args.file)
-    judged = judge(robot, written, standing(robot), planned=written)
+    judged = judge(robot, written, standing(robot), rate=args.rate, planned=written)
     said = {"robot": robot.name, "motion": args.file.name, "seconds": round(written.duration, 3)}
     if written.held:
         said["held at home"] = ", ".join(written.held)
@@ -223,7 +243,7 @@ def excite_robot(args: argparse.Namespace) -> int:
                   f"{100 * largest:.0f} %", file=sys.stderr)  # fmt: skip
 
     plan = plan_excitation(args.robot, args.seconds, study=args.study, result=args.result, seed=args.seed, report=tell,
-                           say=lambda share, words: print(words, file=sys.stderr))  # fmt: skip
+                           beside=True, say=lambda share, words: print(words, file=sys.stderr))  # fmt: skip
     document, _, _ = excitation_document(plan)
     said = dict(document["told"])
     if args.out is not None and not document["broken"]:
@@ -255,7 +275,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     wanted = wanted_of(args)
     if args.server:
         return send_retarget(args, wanted.model_dump(exclude_unset=True))
-    robot = load_motion_robot(args.robot)
+    robot = load_motion_robot(args.robot, beside=True)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, **_stated(args)))
     static = None if args.static is None else open_motion(args.static, **_stated(args))
     found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, nodes, holds: print(
@@ -302,7 +322,7 @@ def export_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
-    robot = load_motion_robot(args.robot)
+    robot = load_motion_robot(args.robot, beside=True)
     motion = read_written(robot, args.file)
     judged = judge(robot, motion, standing(robot), rate=args.rate, planned=motion)
     return _written(

@@ -17,6 +17,7 @@ class MotionDraft:
     that lies along z, where z is up. off_stop: share of a range that a joint keeps from its end."""
 
     acceleration: float = 40.0
+    arm_acceleration: float = 10.0  # [rad/s²] judgement: what makers of arms state is 7 to 20
     jerk: float = 2000.0
     sole_m: float = 0.01
     least_sole_m: float = 0.03
@@ -26,6 +27,12 @@ class MotionDraft:
     flat: float = 0.005
     hangs: float = 0.8
     off_stop: float = 0.02
+    aside_rad: tuple[float, ...] = (
+        0.15,
+        0.3,
+        0.45,
+        0.6,
+    )  # judgement: by which arms are taken off the body, tried in turn
 
 
 USUAL = MotionDraft()

@@ -26,6 +26,7 @@ class MotionImport:
     shortest_m: float = 0.9
     tallest_m: float = 2.3
     no_body: float = 3.0
+    no_giant_m: float = 3.0  # judgement: a person of 1.2 m or more, whose centimetres were read as inches
     upright: float = 0.8
     level: float = 0.5
     uneven: float = 0.1
@@ -42,7 +43,13 @@ class MotionImport:
     least_turn_deg: float = (
         3.2  # judgement: π in radians, by which no joint of a body turns; a motion in degrees has more
     )
+    least_foot_m: float = 0.03  # judgement: a foot's bone that reaches less far ahead says not where ahead is
     same_place: float = 0.001  # judgement: of the longest bone; what programs round a bone's place to is less
+    same_rate: float = 0.05  # judgement: 59.94 Hz are stated as 60; a resampled table or milliseconds are farther off
+    rounded_s: float = 0.00101  # times written to the millisecond stray by one from a line between two of them
+    rounded: float = 0.3  # share of a sample that they may; a frame that is lost leaves half of one
+    widest_m: float = 10.0  # judgement: markers of no known name that reach farther up are no person's, nor a thing's
+    longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 

@@ -109,7 +109,8 @@ def random_motion(envelope: Envelope, rng: np.random.Generator, share: float = 1
     x = _alone(envelope, x, rng)
     rest, name = envelope.largest(envelope.still, 1.0)
     if rest > 1.0:
-        raise NotIdentifiable(f"home is outside a bound while nothing moves ({name}): choose another posture", ())
+        beyond = f"{name}: {100.0 * rest:.0f} % of it"
+        raise NotIdentifiable(f"home is outside a bound while nothing moves ({beyond}): choose another posture", ())
     rate = len(envelope.time) / envelope.series.duration
     most = largest_within(
         lambda part: envelope.largest(envelope.still + part * (x - envelope.still), rate)[0] <= 1.0,

@@ -67,7 +67,7 @@ def _moved(model: RobotModel, log: Log) -> tuple[Array, Array, Array]:
     """(T, A) each: position, velocity and acceleration of every axis."""
     finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
     names = [f"q.{joint.name}" for joint in model.robot.joints]
-    q = StoredPositions(log, names, finest).before(log.stored, late=True) @ model.robot.axes_from_joints.T
+    q = model.robot.on_axes(StoredPositions(log, names, finest).before(log.stored, late=True))
     return q, differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
 
 

@@ -80,5 +80,6 @@ class ContactPaths:
 
     def _on_axes(self, total: Array) -> Array:
         axes = self.robot.rows.axes
-        total[..., axes] = total[..., axes] @ self._axes_from_joints
+        if self.robot.coupled:
+            total[..., axes] = total[..., axes] @ self._axes_from_joints
         return total

@@ -205,7 +205,7 @@ def _model(
         order={recording.log.name: number for number, recording in enumerate(recordings)},
         criteria=settings.criteria,
         prepared=made.kept,
-        computed=made.kept.beside(),
+        computed=PerLog(),
         attached=made.attached,
     )
 
@@ -341,7 +341,7 @@ def _remarks(
 
 def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
     """(A,) of each axis' position over all logs."""
-    positions = [log.motion.q @ robot.axes_from_joints.T for log in logs]
+    positions = [robot.on_axes(log.motion.q) for log in logs]
     return np.asarray(
         np.max([q.max(axis=0) for q in positions], axis=0) - np.min([q.min(axis=0) for q in positions], axis=0)
     )
@@ -363,7 +363,7 @@ def _validate(
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...], tuple[SteadyShare, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked; and their steady motion."""
-    equations, fitted, kept, made_ready = made.equations, made.fitted, made.kept, made.ready
+    equations, fitted, made_ready = made.equations, made.fitted, made.ready
     ready = {id(prepared.log): prepared for prepared in fitted}
     k_T = motor_gain(equations, parameters[0])
     known = known_noise(equations.robot, [each.log for each in recordings], fitted[0].low_pass.cutoff_hz)
@@ -372,7 +372,7 @@ def _validate(
     held_out: list[Array] = []
 
     def told(prepared: Prepared) -> Channels:
-        return predict_log(equations, prepared, *parameters, k_T, kept)
+        return predict_log(equations, prepared, *parameters, k_T)
 
     def predicted(recording: Recording) -> tuple[Array, Prediction, tuple[ChannelFit, ...]]:
         log, held_out = recording.log, recording.held_out

@@ -67,7 +67,7 @@ def noise_bias(
         for sign, collected in found.items():
             sums[sign] = sums[sign] + collected if sign in sums else collected
     at_noise = [solution.of(sums[sign]).x for sign in signs]
-    return np.asarray(np.mean(at_noise, axis=0) - solution.of(solution.statistics).x)
+    return np.asarray(np.mean(at_noise, axis=0) - solution.unbounded.x)
 
 
 def draw_noise(

@@ -23,16 +23,13 @@ MOST_BYTES = 150_000_000  # of all that share a room: four logs of 50 s and 34 j
 class PerLog:
     """By what it is and by the log itself, never by its name; the longest unused go where there is no room for more.
 
-    A log is kept with what was computed from it, so that no other takes its place. Threads may share it.
+    A log is kept with what was computed from it, so that no other takes its place. Threads may share it. All have one
+    room, so that a model that is asked no more has nothing there after a while; most_bytes: in one of its own.
     """
 
-    def __init__(self, most_bytes: int = MOST_BYTES, room: _Room | None = None) -> None:
-        self._room = room or _Room(most_bytes)
+    def __init__(self, most_bytes: int | None = None) -> None:
+        self._room = COMMON_ROOM if most_bytes is None else _Room(most_bytes)
         finalize(self, self._room.leave, id(self))
-
-    def beside(self) -> PerLog:
-        """Another one in the same room: what is kept here may have to go for what is kept there."""
-        return PerLog(room=self._room)
 
     def of(self, log: Log, what: str, compute: Callable[[], V]) -> V:
         """What is known of this log, else `compute()`, which is kept."""
@@ -89,6 +86,9 @@ class _Room:
     def _drop(self, key: Key) -> None:
         if key in self._kept:
             self._bytes -= self._kept.pop(key)[2]
+
+
+COMMON_ROOM = _Room(MOST_BYTES)
 
 
 def _owner(array: NDArray[Any]) -> NDArray[Any]:

@@ -52,7 +52,7 @@ def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> M
     robot = equations.robot
     wrench = equations.outside(replace(prepared, wrenches=prepared.raw_wrenches))[:, equations.layout.base]
     channels = dict(zip(BASE_CHANNELS, wrench.T, strict=True)) if robot.floating else {}
-    torque = (prepared.raw_drive * k_T) @ robot.axes_from_joints
+    torque = robot.on_joints(prepared.raw_drive * k_T)
     for index, joint in enumerate(robot.joints):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque[:, index]
@@ -112,8 +112,7 @@ def _named(equations: Equations, told: Array) -> Mapping[str, Array]:
     joint torques those of the joints whose drive is logged; of sensors their readings as they are logged."""
     robot, layout = equations.robot, equations.layout.told
     channels = dict(zip(BASE_CHANNELS, told[layout.base], strict=True)) if robot.floating else {}
-    on_joints = robot.axes_from_joints.T @ told[layout.axes]
-    for joint, torque in zip(robot.joints, on_joints, strict=True):
+    for joint, torque in zip(robot.joints, robot.on_joints(told[layout.axes].T).T, strict=True):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque
     for index, sensor in enumerate(robot.cuts):

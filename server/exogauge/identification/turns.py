@@ -89,7 +89,7 @@ class TurnsOf:
     """Of one log, behind any low-pass that it may have passed before it was stored."""
 
     def __init__(self, robot: Robot, log: Log, at_rest: RestDetection) -> None:
-        self._rate_hz, self._at_rest, self._C = log.rate_hz, at_rest, robot.axes_from_joints
+        self._rate_hz, self._at_rest, self._robot = log.rate_hz, at_rest, robot
         self._finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
         self._positions = StoredPositions(log, [f"q.{joint.name}" for joint in robot.joints], self._finest)
 
@@ -99,7 +99,7 @@ class TurnsOf:
         if stored is not None:
             band_hz = min(band_hz, stored.half_hz(rate_hz))
             q = LowPass(min(self._finest.cutoff_hz, self._at_rest.criteria.smooth * band_hz), rate_hz).apply(q)
-        velocity = differentiate(q, rate_hz) @ self._C.T
+        velocity = self._robot.on_axes(differentiate(q, rate_hz))
         then = directions(velocity, self._at_rest.threshold, round(rate_hz / band_hz))
         if stored is None:
             return Turns(then, then, 1.0 - np.abs(then))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.noise_bias import NoiseFloor, draw_noise, with_noise
-from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import (
     Parameters,
     added_beyond_band,
@@ -29,21 +27,11 @@ Array = NDArray[np.float64]
 
 
 def predict_log(
-    equations: Equations,
-    prepared: Prepared,
-    identified: Parameters,
-    prior: Parameters,
-    k_T: Array,
-    kept: PerLog,
+    equations: Equations, prepared: Prepared, identified: Parameters, prior: Parameters, k_T: Array
 ) -> Channels:
-    """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified. kept: by other models
-    that prepare it alike; what is known a priori stays the same whatever is added."""
+    """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified."""
     measured = measured_channels(equations, prepared, k_T)
-    believed = hashlib.blake2b(prior.phi.tobytes() + prior.xi.tobytes() + prior.added.tobytes().rstrip(b"\0"))
-    known = kept.of(
-        prepared.log, f"a priori {believed.hexdigest()}", lambda: predictions(equations, prepared, [prior])[0]
-    )
-    predicted = predictions(equations, prepared, [identified])[0]
+    predicted, known = predictions(equations, prepared, [identified, prior])
     return Channels(measured, predicted, known, steady_samples(equations, prepared))
 
 

@@ -15,6 +15,7 @@ from exogauge.criteria.motion_import import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.human import Contacts, HumanMotion, JointTree
+from exogauge.motion.sides import refuse_exchanged
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
@@ -113,16 +114,9 @@ def person_of(motion: HumanMotion) -> Person:
             "Say what its bones are called elsewhere (--name OWN=KNOWN): see `unknown`",
         )
     rest = tree.rest_position
-    left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
-    level, trunk = np.hypot(left[0], left[1]), rest[bones["thorax"]] - rest[bones["pelvis"]]
-    if level < USUAL.level * np.linalg.norm(left) or trunk[2] < USUAL.level * np.linalg.norm(trunk):
-        raise _fault(motion, "at rest the hips are not side by side below the chest", "not_upright",
-                     "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
     height = float(np.mean([_leg(rest, bones, side) for side in ("l", "r")]))
-    left[2] = 0.0
-    left /= np.linalg.norm(left)
-    up = np.array([0.0, 0.0, 1.0])
-    axes = np.stack([np.cross(left, up), left, up], axis=1)
+    axes = _axes(motion, tree, bones)
+    refuse_exchanged(motion)
     pelvis, thorax = (
         tree.rotation[:, bones[part]] @ tree.rest_rotation[bones[part]].T @ axes for part in ("pelvis", "thorax")
     )
@@ -137,6 +131,24 @@ def person_of(motion: HumanMotion) -> Person:
         np.einsum("tji,tjk->tik", pelvis, thorax), limbs, height, motion.contacts, motion.told,
         np.stack([tree.position[:, bones[part]] for part in ("l_foot", "r_foot")], axis=1),
     )  # fmt: skip
+
+
+def _axes(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) -> Array:
+    """(3, 3) ahead, left and up of the body in the rest posture. Where that lies, as where each bone's x runs along the
+    bone, up is along the trunk, if the motion itself stands so. Raises BadMotion."""
+    rest, up = tree.rest_position, np.array([0.0, 0.0, 1.0])
+    left, trunk = rest[bones["l_thigh"]] - rest[bones["r_thigh"]], rest[bones["thorax"]] - rest[bones["pelvis"]]
+    left, trunk = left / np.linalg.norm(left), trunk / np.linalg.norm(trunk)
+    if np.hypot(left[0], left[1]) < USUAL.level or trunk[2] < USUAL.level:
+        turned = tree.rotation[:, bones["pelvis"]] @ tree.rest_rotation[bones["pelvis"]].T
+        stands = np.median(turned @ trunk, axis=0)[2] > USUAL.level > abs(np.median(turned @ left, axis=0)[2])
+        if abs(left @ trunk) > USUAL.level or not stands:
+            raise _fault(motion, "the hips are not side by side below the chest, at rest or later", "not_upright",
+                         "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
+        up = trunk - (trunk @ left) * left
+    left = left - (left @ up) * up / (up @ up)
+    left, up = left / np.linalg.norm(left), up / np.linalg.norm(up)
+    return np.stack([np.cross(left, up), left, up], axis=1)
 
 
 def person_of_fit(fit: HumanFit, contacts: Contacts | None = None) -> Person:

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from exogauge.robots.moving.segments import Segment
 
+SIDES = ("L", "R", "LEFT", "RIGHT")
 _LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
 
 
 def _limbs(before: str, names: str) -> dict[str, str]:
-    """Of a skeleton's bones, in the order of `_LIMBS`."""
-    return {f"{{s}}_{limb}": before + name for limb, name in zip(_LIMBS, names.split(), strict=True)}
+    """Of a skeleton's bones, in the order of `_LIMBS`. before: what stands there, or there in other files."""
+    return {f"{{s}}_{limb}": " ".join(each + name for each in before.split(" "))
+            for limb, name in zip(_LIMBS, names.split(), strict=True)}  # fmt: skip
 
 
 _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
@@ -56,6 +58,26 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_foot": "{s}FT1 {s}FT2 {s}FT3",
         "thorax": "{s}TA1 {s}TA2 {s}TA3",
     },
+    "OpenSim's gait models": {
+        "pelvis": "{s}.ASIS {s}.PSIS",
+        "thorax": "{s}.ACROMIUM",
+        "{s}_upper_arm": "{s}.BICEP {s}.BICEPS {s}.ELBOW",
+        "{s}_forearm": "{s}.FOREARM {s}.WRIST",
+        "{s}_thigh": "{s}.THIGH.UPPER {s}.THIGH.FRONT {s}.THIGH.REAR {s}.KNEE.LAT {s}.KNEE.MED",
+        "{s}_shank": "{s}.SHANK.UPPER {s}.SHANK.FRONT {s}.SHANK.REAR {s}.ANKLE.LAT {s}.ANKLE.MED",
+        "{s}_foot": "{s}.HEEL {s}.MIDFOOT.SUP {s}.MIDFOOT.LAT {s}.TOE.TIP {s}.TOE",
+    },
+    "Visual3D and IOR": {
+        "pelvis": "{s}_IAS {s}_IPS {s}IAS {s}IPS",
+        "thorax": "{s}_SAE {s}SAE",
+        "head": "{s}_HEAD",
+        "{s}_upper_arm": "{s}_HLE {s}_HME {s}HLE {s}HME",
+        "{s}_forearm": "{s}_RSP {s}_USP {s}RSP {s}USP",
+        "{s}_hand": "{s}_HM2 {s}_HM5 {s}HM2 {s}HM5",
+        "{s}_thigh": "{s}_FTC {s}_FLE {s}_FME {s}FTC {s}FLE {s}FME {s}_THI {s}_TH1 {s}_TH2 {s}_TH3 {s}_TH4",
+        "{s}_shank": "{s}_TTC {s}_FAX {s}_FAL {s}_TAM {s}TTC {s}FAX {s}FAL {s}TAM {s}_TIB {s}_SK1 {s}_SK2 {s}_SK3",
+        "{s}_foot": "{s}_FCC {s}_FM1 {s}_FM2 {s}_FM5 {s}FCC {s}FM1 {s}FM2 {s}FM5",
+    },
     "Acclaim (CMU)": _limbs("{s}", "HUMERUS RADIUS HAND FEMUR TIBIA FOOT"),
     "iClone": _limbs("{s}_", "UPPERARM FOREARM HAND THIGH CALF FOOT"),
     "MotionBuilder and Mixamo": _limbs("{side}", "ARM FOREARM HAND UPLEG LEG FOOT"),
@@ -64,6 +86,14 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
     "Motive": _limbs("{s}", "UARM FARM HAND THIGH SHIN FOOT"),
     "Rokoko": _limbs("{side}", "ARM FOREARM HAND THIGH SHIN FOOT"),
     "Daz and Poser": _limbs("{s}", "SHLDR FOREARM HAND THIGH SHIN FOOT"),
+    "SMPL": _limbs("{s}_ {side}_", "SHOULDER ELBOW WRIST HIP KNEE ANKLE"),
+    "Xsens MVN's segments": _limbs("{side}", "UPPERARM FOREARM HAND UPPERLEG LOWERLEG FOOT"),
+    "Unreal": _limbs("", "UPPERARM_{s} LOWERARM_{s} HAND_{s} THIGH_{s} CALF_{s} FOOT_{s}"),
+    "VRM and Bandai Namco": _limbs("", "UPPERARM_{s} LOWERARM_{s} HAND_{s} UPPERLEG_{s} LOWERLEG_{s} FOOT_{s}"),
+    "Unity": _limbs("{side}", "UPPERARM LOWERARM HAND UPPERLEG LOWERLEG FOOT"),
+    "VRoid": _limbs("{s}_", "UPPERARM LOWERARM HAND UPPERLEG LOWERLEG FOOT"),
+    "Kinect": _limbs("", "SHOULDER{side} ELBOW{side} WRIST{side} HIP{side} KNEE{side} ANKLE{side}"),
+    "Rigify": _limbs("", "UPPER_ARM.{s} FOREARM.{s} HAND.{s} THIGH.{s} SHIN.{s} FOOT.{s}"),
 }  # fmt: skip
 _MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arms say which it is
     "Plug-in Gait, CMU and Vicon": {"pelvis": "SACR", "thorax": "C7 T10 CLAV STRN RBAK", "head": "ARIEL"},
@@ -77,6 +107,16 @@ _MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arm
     "Motive": {"pelvis": "HIP", "thorax": "CHEST", "head": "HEAD"},
     "Rokoko": {"pelvis": "HIPS", "thorax": "SPINE4", "head": "HEAD"},
     "Daz and Poser": {"pelvis": "HIP", "thorax": "CHEST", "head": "HEAD"},
+    "SMPL": {"pelvis": "PELVIS", "thorax": "SPINE3", "head": "HEAD"},
+    "Xsens MVN's segments": {"pelvis": "PELVIS", "thorax": "T8", "head": "HEAD"},
+    "Unreal": {"pelvis": "PELVIS", "thorax": "SPINE_03", "head": "HEAD"},
+    "VRM and Bandai Namco": {"pelvis": "HIPS", "thorax": "CHEST", "head": "HEAD"},
+    "Unity": {"pelvis": "HIPS", "thorax": "CHEST", "head": "HEAD"},
+    "VRoid": {"pelvis": "C_HIPS", "thorax": "C_UPPERCHEST C_CHEST", "head": "C_HEAD"},
+    "Kinect": {"pelvis": "SPINEBASE", "thorax": "SPINESHOULDER", "head": "HEAD"},
+    "Rigify": {"pelvis": "SPINE HIPS", "thorax": "SPINE.003 CHEST", "head": "SPINE.006 HEAD"},
+    "OpenSim's gait models": {"pelvis": "V.SACRAL", "thorax": "STERNUM", "head": "TOP.HEAD"},
+    "Visual3D and IOR": {"thorax": "CV7 TV2 TV8 TV10 MAI SJN SXS SME", "head": "SGL"},
 }
 
 
@@ -109,7 +149,7 @@ def subjects(labels: Iterable[str]) -> dict[str, int]:
     one person each, "" where nothing does. Less than half as many names as the best has are nobody's."""
     found: Counter[tuple[str, str]] = Counter()
     for label in dict.fromkeys(labels):
-        begins = [0, *(k + 1 for k, letter in enumerate(label) if letter in ":_ ")]
+        begins = [0, *(k + 1 for k, letter in enumerate(label) if letter in ":_ " and label[:k].upper() not in SIDES)]
         found.update(
             (name, label[:k]) for k in begins for name, preset in PRESETS.items() if _alike(label[k:]) in preset
         )

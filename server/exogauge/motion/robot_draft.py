@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, final
 
@@ -13,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from exogauge.criteria.motion_draft import USUAL
-from exogauge.errors import BadRobot, Fault
-from exogauge.robots.moving.robot import Shape
+from exogauge.robots.moving.robot import MotionRobot, Shape
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.import_log.robot_draft import draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
@@ -27,13 +29,12 @@ BODY = pin.FrameType.BODY
 def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
     """robot.yaml as a tree of plain values, and what of it is to be looked at (`?`) or is lacking (`!`).
 
-    folder: where meshes are looked for. Raises BadRobot where the URDF has no two feet.
+    folder: where meshes are looked for, and beside it. A robot without two feet is bolted down. Raises BadRobot.
     """
-    content = yaml.safe_load(draft_robot(urdf, file))
+    content = yaml.safe_load(draft_robot(urdf, file, "torque"))
     feet = [sensor["frame"] for sensor in content.pop("ft_sensors", ()) if sensor["role"] == "contact"]
     if len(feet) != 2:
-        raise BadRobot(Fault("no two feet were found: the last links of two legs, called sole, foot or ankle",
-                             "no_feet", "Write robot.yaml by hand: docs/motion.md", file))  # fmt: skip
+        return _arm(urdf, content)
     look = _Look(urdf, folder, content["base_link"], feet)
     faces = "along" if look.ahead > 0.0 else "against"
     told = [f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
@@ -57,6 +58,30 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
     return content, told
 
 
+def _arm(urdf: bytes, content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    model = pin.buildModelFromXML(urdf.decode())
+    home = _within(model, [joint["name"] for joint in content["joints"]])
+    content["home"] = {name: round(value, 3) for name, value in home.items() if value}
+    content["limits"] = {"acceleration": USUAL.arm_acceleration}
+    return content, [
+        "# ? base: bolted down, as no two feet were found (last links of two legs, called sole, foot or ankle): for "
+        "`motion excite`. A robot that stands needs base, base_link, imu, soles, human_map: docs/motion.md",
+        "# ? joints: torques are logged; of currents `actuation: current, prior: {k_T: …}`. Leave out what is still",
+        "# ? home: joints at zero, or as near as they may be; put it where no link is near another or the floor",
+        "# ? limits: usual ones, not the maker's",
+    ]
+
+
+def _within(model: pin.Model, names: Sequence[str]) -> dict[str, float]:
+    """Zero, or as near to it as a joint may be, a little off its stop."""
+    low, high, home = model.lowerPositionLimit, model.upperPositionLimit, {}
+    for name in names:
+        k = model.joints[model.getJointId(name)].idx_q
+        inside = USUAL.off_stop * (high[k] - low[k])
+        home[name] = float(np.clip(0.0, low[k] + inside, high[k] - inside)) if not low[k] < 0.0 < high[k] else 0.0
+    return home
+
+
 @final
 class _Look:
     """The URDF's robot with all joints at zero, on a base of its own."""
@@ -74,7 +99,7 @@ class _Look:
         else:
             self.feet = sorted(feet, key=lambda link: -aside[link])
         self.ahead = 1.0 if aside[self.feet[0]] > aside[self.feet[1]] else -1.0  # along x of the root
-        self.shapes, _ = shapes_of(urdf, {}, mesh_opener(folder))
+        self.shapes, _ = shapes_of(urdf, {}, mesh_opener(folder, beside=True))
 
     def frame(self, link: str) -> pin.Frame:
         return self.model.frames[self.model.getFrameId(link, BODY)]
@@ -137,12 +162,7 @@ class _Look:
     def home(self, names: list[str], told: list[str]) -> dict[str, float]:
         """Knees bent so far that the hips come down by a share of the leg, soles as flat as at zero; the rest at zero,
         or as near to it as it may be."""
-        low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
-        home = {}
-        for name in names:
-            k = self.model.joints[self.model.getJointId(name)].idx_q
-            inside = USUAL.off_stop * (high[k] - low[k])
-            home[name] = float(np.clip(0.0, low[k] + inside, high[k] - inside)) if not low[k] < 0.0 < high[k] else 0.0
+        home = _within(self.model, names)
         bent = [self._bent(foot) for foot in self.feet]
         if lost := [foot for foot, found in zip(self.feet, bent, strict=True) if found is None]:
             told += [self._why(foot) for foot in lost]
@@ -207,6 +227,40 @@ class _Look:
         if best is None or best[0] < max(self.ahead * hip[0], self.ahead * goal.translation[0]) + USUAL.flat:
             return None
         return {self.model.names[k]: float(v) for k, v in zip(joints, best[1], strict=True)}
+
+
+def arms_aside(robot: MotionRobot, clearance_m: float) -> dict[str, float]:
+    """Of one shoulder joint each, the smallest angle that takes forearms and hands off all that is not their arm: what
+    is nearer than `clearance_m` at home is never looked at. Nothing where they are off it, or no angle does."""
+    found, home = dict[str, float](), robot.home
+    assert home is not None
+    for side in ("l", "r"):
+        upper, fore = (robot.segments.get(f"{side}_{part}") for part in ("upper_arm", "forearm"))  # type: ignore[call-overload]
+        if upper is None or fore is None:
+            continue
+        own, beyond = (_carried(robot, link) for link in (upper, fore))
+
+        def close(q: Array, own: set[str] = own, beyond: set[str] = beyond) -> bool:
+            pairs = Pairs(replace(robot, home=q), clearance_m).left_out
+            return any((a in beyond) != (b in beyond) and not {a, b} <= own for a, b in pairs)
+
+        shoulder = robot.chain("thorax", f"{side}_upper_arm")  # type: ignore[arg-type]
+        tries = [(k, sign * angle) for angle in USUAL.aside_rad for k in shoulder for sign in (1.0, -1.0)]
+        for k, angle in tries if close(home) else ():
+            q = home.copy()
+            q[robot.base + k] += angle
+            if robot.limits.lower[k] <= q[robot.base + k] <= robot.limits.upper[k] and not close(q):
+                found[robot.joints[k]] = round(float(q[robot.base + k]), 3)
+                break
+    return found
+
+
+def _carried(robot: MotionRobot, link: str) -> set[str]:
+    """Links that the joint of this one moves."""
+    model, joint = robot.model, robot.model.frames[robot.frame(link)].parentJoint
+    return {
+        str(each.name) for each in model.frames if each.type == BODY and joint in list(model.supports[each.parentJoint])
+    }
 
 
 def corners(shape: Shape) -> list[Array]:

@@ -10,6 +10,7 @@ from exogauge.studies.intake.moving_robot import moving_robot
 from exogauge.studies.intake.robot_file import read_robot
 
 
-def load_motion_robot(path: Path) -> MotionRobot:
-    """Raises BadRobot, with the key that is at fault."""
-    return moving_robot(*read_robot(Bundle(path.parent, path.name), path.name), path)
+def load_motion_robot(path: Path, *, beside: bool = False) -> MotionRobot:
+    """beside: of one's own files, meshes that lie beside its folder too. Raises BadRobot, with the key that is at
+    fault."""
+    return moving_robot(*read_robot(Bundle(path.parent, path.name), path.name), path, beside=beside)

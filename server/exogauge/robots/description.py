@@ -132,6 +132,19 @@ class Robot:
         """Of its equations of motion."""
         return RowLayout.of(self.floating, len(self.joints), len(self.cuts))
 
+    @cached_property
+    def coupled(self) -> bool:
+        """Whether any axis is not its joint."""
+        return not np.array_equal(self.axes_from_joints, np.eye(len(self.joints)))
+
+    def on_axes(self, coordinates: Array) -> Array:
+        """(..., A) from those of joints, (..., J); the same array where nothing is coupled."""
+        return coordinates @ self.axes_from_joints.T if self.coupled else coordinates
+
+    def on_joints(self, torques: Array) -> Array:
+        """(..., J) from those on axes, (..., A); the same array where nothing is coupled."""
+        return torques @ self.axes_from_joints if self.coupled else torques
+
     @property
     def torque_zero(self) -> Array:
         """(J,) [N·m, N where it slides] standard uncertainty of a constant torque that is another in each log."""

@@ -50,11 +50,8 @@ def read_urdf(urdf: bytes, file: str = "robot.urdf") -> Element:
         raise BadRobot(Fault(f"{len(links)} links, at most {MAX_LINKS} are accepted", "too_many_links", file=file))
     faults = [*_name_faults("link", links, file), *_name_faults("joint", joints, file)]
     faults += [fault for joint in joints for fault in _joint_faults(joint, file)]
-    moved = {
-        child.get("link") for joint in joints if joint.get("type") in MOVING_TYPES for child in joint.iter("child")
-    }
     for link in links:
-        faults += _inertial_faults(link, link.get("name") in moved, file)
+        faults += _inertial_faults(link, file)
     faults += [fault for link in links for fault in _mesh_faults(link, file)]
     faults += _tree_faults(links, joints, file)
     if faults:
@@ -145,11 +142,9 @@ def _number_faults(
                     "Expand a xacro first" if "$" in text else "", file, value=text[:80])  # fmt: skip
 
 
-def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
-    """Mass positive; inertia about the centre of mass positive semi-definite and within the triangle inequality.
-
-    moved: a joint moves this link; only then is an <inertial> of nothing but zeros refused (frames often have one).
-    """
+def _inertial_faults(link: Element, file: str) -> Iterator[Fault]:
+    """Mass positive; inertia about the centre of mass positive semi-definite and within the triangle inequality. An
+    <inertial> of nothing but zeros is none: frames often have one, and fingers."""
     inertial, what = link.find("inertial"), f"link {link.get('name')!r}"
     if inertial is None:
         return
@@ -164,7 +159,7 @@ def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
         yield from bad
         return
     value = float(mass.get("value", ""))
-    frame_only = not moved and value == 0.0 and not any(float(inertia.get(name, "")) for name in INERTIA_NAMES)
+    frame_only = value == 0.0 and not any(float(inertia.get(name, "")) for name in INERTIA_NAMES)
     if value <= 0.0 and not frame_only:
         yield Fault(f"{what}: the mass must be positive", "mass_not_positive",
                     "A frame without mass has no <inertial> element", file, value=mass.get("value"))  # fmt: skip
@@ -223,10 +218,12 @@ def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:
         if not path:
             continue
         scheme, _, rest = path.rpartition("://")
+        rest = rest.removeprefix("/") if scheme in ("package", "model") else rest  # as some write them
         outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or ".." in rest.split("/")
         if outside or scheme not in ("", "package", "model"):
             yield Fault(f"link {link.get('name')!r}: a mesh outside the bundle", "mesh_outside",
-                        "Use a relative path or package://", file, value=path[:80])  # fmt: skip
+                        "Write package://NAME/meshes/…: a file is found by how its path ends", file,
+                        value=path[:80])  # fmt: skip
 
 
 def _tree_faults(links: list[Element], joints: list[Element], file: str) -> list[Fault]:

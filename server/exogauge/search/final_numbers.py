@@ -46,9 +46,10 @@ def with_doubt_of_shapes(
     if not free:
         return found
     model, more = found.model, np.zeros_like(found.model.covariance)
-    rows = collect_rows(model, recordings, [each.site for each in free])
+    fitted = [each for each in recordings if not each.held_out]
+    rows = collect_rows(model, fitted, [each.site for each in free])
     for each in free:
-        more += _of_shapes(model, each, [one for one in rows[each.site] if not one.held_out])
+        more += _of_shapes(model, each, rows[each.site])
     return _doubted(found, more)
 
 

@@ -175,7 +175,8 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
     if not _has_curves(site) or search.last is None:
         return None, ()
     least = search.problem.settings.criteria.judging.worth_judging
-    rows = collect_rows(found.model, search.problem.recordings, [site])[site]
+    recordings = search.problem.recordings
+    rows = collect_rows(found.model, [each for each in recordings if not each.held_out], [site])[site]
     sizes = _sizes(step.added, rows)
     baseline = Baseline(found.model, search.last.baseline.memory)
     best: Score | None = None
@@ -190,7 +191,7 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
         ]
         better = max(tried, key=lambda each: each.evidence, default=None)
         if better is None or better.evidence < (best.evidence if best else least):
-            return best, rows
+            return best, collect_rows(found.model, recordings, [site])[site] if best else ()
         best, chosen = better, tuple(better.candidate.effect.terms)  # type: ignore[attr-defined]
 
 
@@ -200,9 +201,9 @@ def _has_curves(site: Site) -> bool:
 
 
 def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
-    """(C,) rms of each column over the fitted logs, where the effect does anything."""
+    """(C,) rms of each column over logs, where the effect does anything."""
     effect: Any = added.effect  # of a joint or of a sensor's axis
-    every = np.concatenate([effect.columns(each.seen.signals, added.shape) for each in rows if not each.held_out])
+    every = np.concatenate([effect.columns(each.seen.signals, added.shape) for each in rows])
     acts = np.maximum(np.count_nonzero(every, axis=0), 1)
     return tuple(float(size) or 1.0 for size in np.sqrt(np.sum(every**2, axis=0) / acts))
 

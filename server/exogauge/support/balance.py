@@ -38,8 +38,8 @@ class Balance:
     torque, torque_a_priori: (T, D) [N·m] Y_j φ - F_j - Z ξ without static friction, with the identified and with the
     maker's parameters: the supporting torque on the joint, up to what friction holds at rest.
     rest: (T, D) 0…1 share of that friction, largest of the axes that move the joint. steady: (T, D) all of them move
-    at speed. sign: (T, D, A) directions of the axes that move each joint, 0 elsewhere: two runs have the same friction
-    where these are equal.
+    at speed. sign: (T, A) directions of the axes. acts: (D, A) those that move each joint: two runs have the same
+    friction where these go the same way.
     """
 
     prepared: Prepared
@@ -48,7 +48,8 @@ class Balance:
     torque_a_priori: Array
     rest: Array
     steady: BoolArray
-    sign: Array
+    sign: NDArray[np.int8]
+    acts: BoolArray
 
     @property
     def time(self) -> Array:
@@ -75,9 +76,16 @@ def balance(model: RobotModel, prepared: Prepared, joints: IntArray) -> Balance:
     identified, a_priori = _on_axes(model.equations, prepared, [model.identified, model.a_priori])
     rest = np.stack([np.max(prepared.rest[:, axes], axis=1, initial=0.0) for axes in acts], axis=1)
     steady = np.stack([np.all(prepared.steady[:, axes], axis=1) for axes in acts], axis=1)
-    sign = np.where(acts[None], np.round(prepared.direction)[:, None, :], 0.0)
+    sign = np.round(prepared.direction).astype(np.int8)
     return Balance(
-        prepared, joints, identified @ C[:, joints], a_priori @ C[:, joints], np.clip(rest, 0.0, 1.0), steady, sign
+        prepared,
+        joints,
+        identified @ C[:, joints],
+        a_priori @ C[:, joints],
+        np.clip(rest, 0.0, 1.0),
+        steady,
+        sign,
+        acts,
     )
 
 

@@ -19,7 +19,7 @@ def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weigh
     total, felt = np.zeros((P, P)), np.flatnonzero(weighted.any(axis=(0, 2)))
     for span in spans:
         used, errors = counts[span][:, felt], e[span][:, felt]
-        c = [autocovariance(np.where(u, x, 0.0), u) for u, x in zip(used.T, errors.T, strict=True)]
+        c = _autocovariances(np.where(used, errors, 0.0).T, used.T)
         length = next_fast_len(len(used) + max((len(each) for each in c), default=0), real=True)
         waves = rfft(weighted[span][:, felt], length, axis=0)
         both_ways = np.full(len(waves), 2.0 / length)
@@ -33,9 +33,14 @@ def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weigh
 
 def autocovariance(errors: Array, used: BoolArray) -> Array:
     """(lags,) about zero, up to half of the log or to where it is first not positive. errors: (n,), 0 where unused."""
-    n = len(errors)
-    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[: max(n // 2, 1)] for x in (errors, used))
+    return _autocovariances(errors[None], used[None])[0]
+
+
+def _autocovariances(errors: Array, used: BoolArray) -> list[Array]:
+    """Of every row of errors and used, (D, n)."""
+    n = errors.shape[1]
+    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[:, : max(n // 2, 1)] for x in (errors, used))
     c: Array = products / np.maximum(pairs, 1.0)
-    positive = np.cumprod(c > 0.0)
-    positive[0] = 1
-    return c[: int(positive.sum())]
+    positive = np.cumprod(c > 0.0, axis=1)
+    positive[:, 0] = 1
+    return [own[: int(count)] for own, count in zip(c, positive.sum(axis=1), strict=True)]

@@ -51,7 +51,8 @@ def difference(this: Balance, other: Balance, found: Match) -> Difference:
     theirs = np.where(
         covered[:, None], np.asarray(scipy.interpolate.make_interp_spline(clock, other.torque, k=3)(at)), np.nan
     )
-    same = np.all(this.sign == other.sign[nearest], axis=2)
+    alike = this.sign == other.sign[nearest]
+    same = np.stack([np.all(alike[:, axes], axis=1) for axes in this.acts], axis=1)
     return Difference(
         torque=this.torque - theirs,
         other=theirs,

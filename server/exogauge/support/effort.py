@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -17,7 +18,7 @@ from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.support.evidence import Evidence
-from exogauge.support.peak import peak_places
+from exogauge.support.peak import Moments, peak_places, same_moments
 from exogauge.support.repeatability import Repeatability
 from exogauge.support.result import Effort, Trial
 
@@ -41,6 +42,15 @@ class Runs:
     repeats: Repeatability
     joint: int
 
+    @cached_property
+    def times(self) -> list[Array]:
+        """(T_k,) [s] from each start."""
+        return [trial.time - trial.time[0] for trial in self.trials]
+
+    @cached_property
+    def moments(self) -> list[Moments]:
+        return same_moments(self.times, self.shifts)
+
 
 def efforts(
     runs: Runs, lines: Sequence[Mapping[str, Array]], chosen: Sequence[BoolArray], present: Sequence[str]
@@ -52,8 +62,8 @@ def efforts(
     for name in present:
         used = [mask & np.isfinite(own[name]) for own, mask in zip(lines, chosen, strict=True)]
         peaks = peak_places(
-            [trial.time - trial.time[0] for trial in trials],
-            runs.shifts,
+            runs.times,
+            runs.moments,
             [own[name] for own in lines],
             [own.get("band_model") for own in lines],
             used,
@@ -110,7 +120,7 @@ def _told(
     at_rest, nulls = list[float](), list[float]()
     for k, window in windows.items():
         moves, rests = (each[window, runs.joint] for each in (runs.trials[k].steady, runs.trials[k].rest))
-        hidden = runs.evidences[k].doubted(name).at_rest[window, runs.joint]
+        hidden = runs.evidences[k].doubted(name, runs.joint).at_rest[window]
         noise = np.where(moves, steady, other) ** 2
         if not whole:
             at_rest.append(float(np.mean(hidden)))
@@ -131,14 +141,14 @@ def _told(
 
 def _of_inputs(runs: Runs, name: str, windows: Mapping[int, BoolArray]) -> dict[str, float]:
     """Source -> variance [N²·m²] from the robot's parameters and what is declared. They err alike at every sample."""
-    K, alike, joint = len(windows), DECLARED.alike, runs.joint
+    K, alike = len(windows), DECLARED.alike
     shared, own, session = list[Array](), list[Mapping[str, Array]](), list[Mapping[str, Array]]()
     for k, window in windows.items():
         evidence = runs.evidences[k]
-        doubted, weights = evidence.doubted(name), _weights(evidence, window)
-        shared.append(weights @ doubted.slope[:, joint])
-        own.append({each: weights @ inputs[:, joint] for each, inputs in doubted.own.items()})
-        session.append({each: weights @ inputs[:, joint] for each, inputs in doubted.session.items()})
+        doubted, weights = evidence.doubted(name, runs.joint), _weights(evidence, window)
+        shared.append(weights @ doubted.slope)
+        own.append({each: weights @ inputs for each, inputs in doubted.own.items()})
+        session.append({each: weights @ inputs for each, inputs in doubted.session.items()})
     S = np.mean(shared, axis=0)
     found = {source: max(float(S @ C @ S), 0.0) for source, C in runs.model.doubt_by_source.items()}
     for source in own[0]:

@@ -17,6 +17,7 @@ from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.remarks import About, Remark
+from exogauge.resident import give_back
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, balance
 from exogauge.support.band_fit import NamedBands
@@ -92,6 +93,7 @@ def gather_support(
     told = [held_friction(model, balances[each.log.name]) for each in _telling_of_rest(plain)]
     held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
+        give_back()  # what the balances took
         plains = _plains(model, _of_motion(plain, motion), balances)
         repeats = repeatability(plains, held, settings, model.criteria.support.peak_s)
         background = Background(joints, plains, repeats, held, None, drift, zeros)

@@ -39,8 +39,9 @@ OwnInputs = Mapping[str, NDArray[np.float32]]
 @final
 @dataclass(frozen=True)
 class Doubted:
-    """What one approach's torque of one log hangs on. slope: (n, D, P + I), own, session: as `slope_…`, `own_…` and
-    `session_…` of `Evidence`. at_rest: (T, D) [N·m] standard deviation of what friction hides at rest."""
+    """What one approach's torque of one joint in one log hangs on. slope: (n, P + I), own, session: (n, K) each, as
+    `slope_…`, `own_…` and `session_…` of `Evidence`. at_rest: (T,) [N·m] standard deviation of what friction hides at
+    rest."""
 
     slope: NDArray[np.float32]
     own: OwnInputs
@@ -94,7 +95,7 @@ class Evidence:
     std_paired: Array | None = None
     low_paired: Array | None = None
     half_paired: Array | None = None
-    slope_paired: NDArray[np.float32] | None = None
+    from_partner: BoolArray | None = None
     own_paired: OwnInputs = field(default_factory=dict)
     session_b: OwnInputs = field(default_factory=dict)
     session_a: OwnInputs = field(default_factory=dict)
@@ -102,15 +103,26 @@ class Evidence:
     rest_a: Array | None = None
     rest_b: Array | None = None
 
-    def doubted(self, approach: str) -> Doubted:
-        """Of `a`, `b` or `paired`."""
-        slope, own, session, at_rest = {
-            "a": (self.slope_a, self.own_a, self.session_a, self.rest_a),
-            "b": (self.slope_b, self.own_b, self.session_b, self.rest_b),
-            "paired": (self.slope_paired, self.own_paired, self.session_paired, self.rest_b),
+    @property
+    def slope_paired(self) -> NDArray[np.float32] | None:
+        """(n, D, P + I) as `slope_a` of the joints that the partner tells of, as `slope_b` of the others."""
+        if self.slope_a is None or self.from_partner is None:
+            return None
+        return np.where(self.from_partner[:, None], self.slope_a, self.slope_b)
+
+    def doubted(self, approach: str, joint: int) -> Doubted:
+        """Of `a`, `b` or `paired` at a place among the D joints."""
+        own, session, at_rest = {
+            "a": (self.own_a, self.session_a, self.rest_a),
+            "b": (self.own_b, self.session_b, self.rest_b),
+            "paired": (self.own_paired, self.session_paired, self.rest_b),
         }[approach]
+        told = approach == "paired" and self.from_partner is not None and self.from_partner[joint]
+        slope = self.slope_a if approach == "a" or told else self.slope_b
         assert slope is not None
-        return Doubted(slope, own, session, np.zeros_like(self.b) if at_rest is None else at_rest)
+        assert at_rest is not None
+        own, session = ({name: part[:, joint] for name, part in each.items()} for each in (own, session))
+        return Doubted(slope[:, joint], own, session, at_rest[:, joint])
 
 
 @final
@@ -224,7 +236,7 @@ def gather(
         std_paired=std_pair,
         low_paired=None if pair is None else pair.middle - pair.half,
         half_paired=None if pair is None else pair.half,
-        slope_paired=slope_pair,
+        from_partner=None if pair is None else pair.from_partner,
         own_paired=own_pair,
         session_b=session_b,
         session_a=session_a,
@@ -236,7 +248,7 @@ def gather(
 
 def _told(model: RobotModel, log: Log) -> Channels:
     prepared = prepare_worn(model, log)
-    return predict_log(model.equations, prepared, model.identified, model.a_priori, model.k_T, model.prepared)
+    return predict_log(model.equations, prepared, model.identified, model.a_priori, model.k_T)
 
 
 def on_joints(values: Array, routing: Routing, joints: IntArray) -> Array:

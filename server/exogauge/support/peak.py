@@ -6,7 +6,7 @@ read; of a single run the band model tells. Only where there is neither, the run
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
@@ -18,9 +18,27 @@ BoolArray = NDArray[np.bool_]
 FULL = 0.5  # share of a mean's samples that have to be there
 
 
+Moments = Mapping[int, tuple[NDArray[np.intp], BoolArray]]
+"""Another run -> its sample of the same posture at each of a run's samples, and whether it has that moment: (T_k,)."""
+
+
+def same_moments(times: Sequence[Array], shifts: Sequence[float]) -> list[Moments]:
+    """Of every run. times: (T_k,) [s] from each start. shifts: [s] time in run k minus time in the first, at the same
+    posture."""
+
+    def of(wanted: Array, time: Array) -> tuple[NDArray[np.intp], BoolArray]:
+        nearest = np.clip(np.round(np.interp(wanted, time, np.arange(len(time)))).astype(np.intp), 0, len(time) - 1)
+        return nearest, (wanted >= time[0]) & (wanted <= time[-1])
+
+    return [
+        {j: of(own - shifts[k] + shifts[j], time) for j, time in enumerate(times) if j != k}
+        for k, own in enumerate(times)
+    ]
+
+
 def peak_places(
     times: Sequence[Array],
-    shifts: Sequence[float],
+    moments: Sequence[Moments],
     lines: Sequence[Array],
     models: Sequence[Array | None],
     used: Sequence[BoolArray],
@@ -28,13 +46,13 @@ def peak_places(
 ) -> list[tuple[int, float] | None]:
     """Of every run its sample of the peak and the mean there, None where nothing is used; K runs of one motion.
 
-    times: (T_k,) [s] from each start. shifts: [s] time in run k minus time in the first, at the same posture. lines,
-    models: (T_k,) [N·m]. used: (T_k,). seconds: that a mean lasts.
+    times: (T_k,) [s] from each start. moments: of every run, by `same_moments`. lines, models: (T_k,) [N·m]. used:
+    (T_k,). seconds: that a mean lasts.
     """
     smooth = [_smooth(t, line, own, seconds) for t, line, own in zip(times, lines, used, strict=True)]
     places: list[tuple[int, float] | None] = []
     for k, (time, own) in enumerate(zip(times, smooth, strict=True)):
-        others = [_at(time - shifts[k] + shifts[j], times[j], smooth[j]) for j in range(len(times)) if j != k]
+        others = [np.where(there, smooth[j][nearest], np.nan) for j, (nearest, there) in moments[k].items()]
         model = models[k]
         where = _mean(others) if others else own if model is None else _smooth(time, model, used[k], seconds)
         found = np.isfinite(own) & np.isfinite(where)
@@ -56,13 +74,6 @@ def _smooth(time: Array, line: Array, used: BoolArray, seconds: float) -> Array:
     total = scipy.ndimage.uniform_filter1d(np.where(counts, line, 0.0), width, mode="nearest")
     whole = counts & (share >= min(FULL, float(share.max(initial=0.0))))
     return np.where(whole, total / np.maximum(share, 1e-12), np.nan)
-
-
-def _at(wanted: Array, time: Array, values: Array) -> Array:
-    """NaN where the run has no such moment."""
-    nearest = np.clip(np.round(np.interp(wanted, time, np.arange(len(time)))).astype(np.intp), 0, len(time) - 1)
-    inside = (wanted >= time[0]) & (wanted <= time[-1])
-    return np.where(inside, values[nearest], np.nan)
 
 
 def _mean(lines: Sequence[Array]) -> Array:

@@ -14,7 +14,7 @@ from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
 from exogauge.support.difference import difference
 from exogauge.support.paired import paired
-from exogauge.support.peak import peak_places
+from exogauge.support.peak import peak_places, same_moments
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
@@ -152,9 +152,10 @@ def _peak(plains: Sequence[Plain], seen: Sequence[_Seen], settings: SupportSetti
             continue
         shifts = [match(plains[own[0]].posture, plains[k].posture, settings).lag_s for k in own]
         times = [np.arange(len(seen[k].told), dtype=np.float64) * seen[k].step_s for k in own]
+        moments = same_moments(times, shifts)
         for d in range(len(largest)):
             lines, used = [seen[k].told[:, d] for k in own], [(seen[k].steady | seen[k].other)[:, d] for k in own]
-            found = peak_places(times, shifts, lines, [None] * len(own), used, peak_s)
+            found = peak_places(times, moments, lines, [None] * len(own), used, peak_s)
             values = [each[1] for each in found if each is not None]
             largest[d] = max(largest[d], abs(float(np.mean(values))) if values else 0.0)
     return largest

@@ -19,6 +19,7 @@ from exogauge.motion.excite.promise import COUNTED, Promise, promised
 from exogauge.motion.excite.search import Report, best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
+from exogauge.motion.plan.outcome import unseen
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.stance import Standing
@@ -51,9 +52,11 @@ class ExcitationPlan:
 def plan_excitation(
     path: Path, seconds: float, *, study: Path | None = None, result: Path | None = None, seed: int = 0,
     criteria: MotionExcite = USUAL, report: Report | None = None, say: Progress = lambda share, words: None,
+    beside: bool = False,
 ) -> ExcitationPlan:  # fmt: skip
     """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already. say: told what is
-    done beside the search, and the share of the whole that lies before it; the search takes those of `SEARCH`.
+    done beside the search, and the share of the whole that lies before it; the search takes those of `SEARCH`. beside:
+    meshes as `load_motion_robot` looks for them.
 
     Raises BadInput; NotIdentifiable where no motion is within the bounds.
     """
@@ -61,7 +64,7 @@ def plan_excitation(
         advice = f"From {SHORTEST_S:g} to {LONGEST_S:g} s"
         raise BadMotion(Fault(f"a motion of {seconds:g} s is not planned", "bad_seconds", advice,
                               column="seconds", value=f"{seconds:g}"))  # fmt: skip
-    robot, moving = load_robot(path.parent, path.name), load_motion_robot(path)
+    robot, moving = load_robot(path.parent, path.name), load_motion_robot(path, beside=beside)
     task = task_of(robot, moving, seconds, criteria)
     known: Known | None = None
     if study is not None:
@@ -115,9 +118,7 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
         said[f"{count.kind} parameters"] = (f"{count.decided} of {count.of} will be decided; median "
                                             f"{100 * count.left:.2g} % of the doubt before is left")  # fmt: skip
     said["undecided"] = [each.name for kind in COUNTED for each in plan.promise.open(kind) if not each.decided]
-    if plan.robot.shapeless or not plan.robot.shapes:
-        said["not looked at"] = ("collisions of " + ", ".join(plan.robot.shapeless) + ": their meshes are not there"
-                                 if plan.robot.shapeless else "collisions: no link has a shape")  # fmt: skip
+    said |= unseen(plan.robot)
     left_out = plan.planned.task.bounds.pairs.left_out
     if left_out:
         said["may touch"] = ", ".join(" and ".join(pair) for pair in left_out)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number, posed
+from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, not_radians, number, posed
 
 Array = NDArray[np.float64]
 DOF = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -35,6 +35,10 @@ def read_amc(path: Path, skeleton: Path | None, said: str | None = None) -> Capt
     unit, degrees, bones, hierarchy = _bones(skeleton)
     own, frames = _frames(path, bones)
     turned = {"deg": True, "rad": False}.get(said or own, degrees)
+    if turned and said is None:
+        angles = [abs(value) for frame in frames for name, values in frame.items()
+                  for value, each in zip(values, bones[name].dof, strict=True) if each[0] == "r"]  # fmt: skip
+        not_radians(path, max(angles, default=0.0))
     names = ("root", *[name for name in _ordered(skeleton, hierarchy) if name in bones and name != "root"])
     parent = np.array([-1, *[names.index(hierarchy[name]) for name in names[1:]]], dtype=np.intp)
     size = len(frames)
@@ -49,9 +53,12 @@ def read_amc(path: Path, skeleton: Path | None, said: str | None = None) -> Capt
         dof = bones[name].dof
         for k, each in enumerate(dof):
             values = np.array([frame[name][k] for frame in frames])
-            if each[0] == "t":
+            if each[0] == "t" and j and values.any():
+                raise fault(path, f"bone {name!r} moves in its parent, which is not read", "limb_moves",
+                            "Export it with translations of the root alone, or as BVH", column=name)  # fmt: skip
+            if each[0] == "t" and j == 0:
                 root[:, "xyz".index(each[1])] = values
-            else:
+            elif each[0] == "r":
                 turns[:, "xyz".index(each[1])] = values
         local[:, j] = (still * Rotation.from_euler("xyz", turns, degrees=turned)).as_matrix()
         rest[j] = still.as_matrix()
@@ -75,11 +82,16 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
         if words[0].startswith(":"):
             section = words[0][1:].lower()
         elif section == "units" and words[0] == "length":
-            unit = METRES["in"] / number(path, words[1], row, "length")
+            unit = METRES["in"] / number(path, " ".join(words[1:]), row, "length")
         elif section == "units" and words[0] == "angle":
             degrees = words[1].lower().startswith("deg")
         elif section == "root" and words[0] == "order":
             bones["root"].dof = _dof(path, words[1:], row)
+        elif section == "root" and words[0] in ("axis", "orientation"):
+            turned = words[0] == "orientation" and any(number(path, word, row, "orientation") for word in words[1:])
+            if turned or (words[0] == "axis" and words[1:] != ["XYZ"]):
+                raise fault(path, "a root in other axes than XYZ, or turned, is not read", "bad_axis",
+                            "Export it with axis XYZ and orientation 0 0 0", row=row, value=line.strip())  # fmt: skip
         elif section == "bonedata" and words[0] == "begin":
             now = _Bone()
         elif section == "bonedata" and words[0] == "name":
@@ -124,7 +136,7 @@ def _ordered(path: Path, hierarchy: dict[str, str]) -> list[str]:
 def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, list[float]]]]:
     """deg, rad or nothing, as the head says; numbers by bone."""
     frames: list[dict[str, list[float]]] = []
-    unit = ""
+    unit, first = "", 1
     lines = lines_of(path)
     moved = {name for name, bone in bones.items() if bone.dof}
     for row, line in enumerate(lines, start=1):
@@ -133,8 +145,9 @@ def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, li
             unit = {":DEGREES": "deg", ":RADIANS": "rad"}.get(line.strip().upper(), unit)
             continue
         if len(words) == 1 and words[0].isdigit():
-            if int(words[0]) != len(frames) + 1:
-                raise fault(path, f"frame {len(frames) + 1} is missing", "frame_count", "Export the file again",
+            first = first if frames else int(words[0])  # of what was cut out
+            if int(words[0]) != first + len(frames):
+                raise fault(path, f"frame {first + len(frames)} is missing", "frame_count", "Export the file again",
                             row=row, value=words[0])  # fmt: skip
             frames.append({})
             continue

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import Captured, fault, lines_of, number, posed
+from exogauge.motion.files.captured import Captured, fault, lines_of, not_radians, number, posed
 from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
+CHANNELS = {axis + kind for axis in "xyz" for kind in ("position", "rotation")}
 
 
 def read_bvh(path: Path, angle: str | None = None) -> Captured:
@@ -23,34 +24,37 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     parent, offset, end, channels = [], [], [], []  # type: list[int], list[Array], list[Array], list[list[str]]
     open_, at_end, begin = [], False, None  # type: list[int], bool, int | None
     for row, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words:
-            continue
-        if words[0] in ("ROOT", "JOINT"):
+        words = line.replace("{", " ").split()
+        word = words[0].upper() if words else ""
+        if word in ("ROOT", "JOINT"):
             parent.append(open_[-1] if open_ else -1)
             names.append(" ".join(words[1:]))
             offset.append(np.zeros(3))
             end.append(np.full(3, np.nan))
             channels.append([])
             open_.append(len(names) - 1)
-        elif words[0].lower() == "end":
+        elif word == "END":
             at_end = True
-        elif words[0] == "OFFSET" and open_:
+        elif word == "OFFSET" and open_:
             value = np.array([number(path, word, row, "OFFSET") for word in words[1:4]])
             if len(value) != 3:
                 raise fault(path, "an offset has three numbers", "bad_offset", "Export the file again", row=row)
             (end if at_end else offset)[open_[-1]] = value
-        elif words[0] == "CHANNELS" and open_:
-            channels[open_[-1]] = [word.lower() for word in words[2:]]
+        elif word == "CHANNELS" and open_:
+            channels[open_[-1]] = [each.lower() for each in words[2:]]
             if words[1] != str(len(words) - 2):
                 raise fault(path, f"{words[1]} channels are announced and {len(words) - 2} named", "channel_count",
                             "Export the file again", row=row, column=names[open_[-1]])  # fmt: skip
-        elif words[0] == "}":
+            if other := [each for each in words[2:] if each.lower() not in CHANNELS]:
+                raise fault(path, "this channel is neither a position nor a rotation", "bad_channel",
+                            "Export the skeleton with Xposition … Zrotation alone: no scales, no quaternions", row=row,
+                            column=names[open_[-1]], value=other[0])  # fmt: skip
+        elif word == "}":
             if at_end:
                 at_end = False
             elif open_:
                 open_.pop()
-        elif words[0] == "MOTION":
+        elif word == "MOTION":
             begin = row
             break
     if begin is None or not names or len(lines) < begin + 3:
@@ -58,8 +62,8 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
                     "A BVH file has HIERARCHY, then MOTION")  # fmt: skip
     if parent.count(-1) > 1:
         raise fault(path, "the file holds more than one skeleton", "two_people", "Export each person alone")
-    count = lines[begin].split()[-1]
-    step = number(path, lines[begin + 1].split()[-1], begin + 2, "Frame Time")
+    count, text = (lines[begin + k].replace(":", " ").split()[-1] for k in (0, 1))
+    step = number(path, text, begin + 2, "Frame Time")
     rows = [(row, line.split()) for row, line in enumerate(lines[begin + 2 :], start=begin + 3) if line.strip()]
     if step <= 0.0:
         raise fault(path, "a frame takes no time", "no_rate", "Frame Time is that of one frame, in seconds",
@@ -74,10 +78,8 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     data = np.array([[number(path, word, row, "motion") for word in words] for row, words in rows])
     turns = np.array([each.endswith("rotation") for named in channels for each in named], dtype=bool)
     most = float(np.abs(data[:, turns]).max(initial=0.0))
-    if angle is None and 0.0 < most < USUAL.least_turn_deg:
-        detail = f"no angle is larger than {most:.2g}: these are radians, or nearly nothing moves"
-        raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
-                    value=f"{most:.3g}")  # fmt: skip
+    if angle is None:
+        not_radians(path, most)
     if angle == "rad":
         data[:, turns] = np.degrees(data[:, turns])
     told = {} if angle is None else {"angles": f"stated: {angle}"}

@@ -36,6 +36,8 @@ def read_c3d(path: Path) -> Captured:
     if points == 0 or not announced:
         raise fault(path, "the header announces no point or no frame", "no_markers", "Export the trial again")
     scale, rate = (float(_numbers(data, at, 1, "f4", processor)[0]) for at in (12, 20))
+    if not rate > 0.0 and len(told_rate := point.get("RATE", [])):
+        rate = float(told_rate[0])
     if not rate > 0.0:
         raise fault(path, "the header says no frame rate", "no_rate", "POINT:RATE is what the cameras ran at",
                     column="POINT:RATE", value=str(rate))  # fmt: skip
@@ -89,7 +91,8 @@ def _announced(point: dict[str, Values], header: int) -> list[int]:
 def _parameters(data: bytes, begin: int, processor: int) -> dict[str, Values]:
     """Of the groups POINT and TRIAL, by name."""
     groups, found = dict[int, str](), list[tuple[int, str, int]]()
-    at, end = begin + 4, min(begin + BLOCK * data[begin + 2], len(data) - 4)
+    blocks = data[begin + 2] or 255  # some leave their count out
+    at, end = begin + 4, min(begin + BLOCK * blocks, len(data) - 4)
     while at < end and (long := abs(_signed(data[at]))) > 0:
         group, name = _signed(data[at + 1]), data[at + 2 : at + 2 + long].decode("latin-1").strip().upper()
         at += 2 + long

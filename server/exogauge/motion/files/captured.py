@@ -59,6 +59,8 @@ def lines_of(path: Path) -> list[str]:
     data = path.read_bytes()
     if not data.strip():
         raise fault(path, "the file is empty", "empty_file", "Export the motion again")
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace").splitlines()
     if b"\0" in data[:4096]:
         raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
     return data.decode("utf-8-sig", errors="replace").splitlines()
@@ -83,13 +85,25 @@ def number(path: Path, text: str, row: int, column: str) -> float:
     return value
 
 
+def not_radians(path: Path, most: float) -> None:
+    """Raises BadMotion where angles that are read as degrees are no larger than `most`: radians are not."""
+    if 0.0 < most < USUAL.least_turn_deg:
+        detail = f"no angle is larger than {most:.2g}: these are radians, or nearly nothing moves"
+        raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
+                    value=f"{most:.3g}")  # fmt: skip
+
+
 def even_time(path: Path, time: Array) -> Array:
     """From 0, on an even clock."""
     if len(time) < 2:
         raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
     even = np.linspace(0.0, time[-1] - time[0], len(time))
+    if even[1] > USUAL.longest_frame_s:
+        raise fault(path, f"a frame lasts {even[1]:.3g} s", "slow_clock", "Time is in seconds", column="time",
+                    value=f"{even[1]:g}")  # fmt: skip
     stray = np.abs(time - time[0] - even)
-    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
+    allowed = max(USUAL.uneven * even[1], min(USUAL.rounded_s, USUAL.rounded * even[1]))
+    if not even[1] > 0.0 or stray.max() > allowed:
         raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
                     row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
     return even

@@ -14,9 +14,19 @@ from exogauge.criteria.motion_import import USUAL
 from exogauge.motion.files.captured import AXES, METRES, Captured, even_time, fault
 from exogauge.motion.human import HumanMotion, Markers
 from exogauge.motion.presets import carried_by, recognise, subjects
+from exogauge.motion.sides import DOUBT, WHY, exchanged
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
+ELSEWHERE = {
+    ".csv .tsv .txt .tsx": "Vicon, OptiTrack and Qualisys export C3D of the same take",
+    ".mvnx .mvn": "Xsens MVN exports BVH and C3D of the same take",
+    ".fbx .glb .gltf .dae .usd .usda": "Blender, MotionBuilder and Maya export its skeleton as BVH",
+    ".npz .npy .pkl .mat .json": "Write its joints as BVH, or its markers as TRC",
+    ".tak .qtm .trb .vsk .x1d .x2d .cap .anb .trak": "Its program exports C3D",
+    ".asf": "An ASF holds bones without motion: give the AMC, and this by --skeleton",
+    ".gz .zip .bz2 .xz .7z": "Unpack it first",
+}
 UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in", "cmu")}
 
 
@@ -70,7 +80,8 @@ def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> 
         from exogauge.motion.files.acclaim import read_amc
 
         return read_amc(path, skeleton, angle)
-    raise fault(path, "no such format of motion is known", "unknown_format", "C3D, TRC, MOT, STO, BVH or AMC",
+    beside = next((f". {advice}" for kinds, advice in ELSEWHERE.items() if kind in kinds.split()), "")
+    raise fault(path, "no such format of motion is known", "unknown_format", f"C3D, TRC, MOT, STO, BVH or AMC{beside}",
                 value=path.suffix or None)  # fmt: skip
 
 
@@ -156,10 +167,14 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
     metres, told["unit"] = _metres(path, captured, unit, height)
     if tall is not None and not USUAL.shortest_m <= height * metres <= USUAL.tallest_m:
         told["unit_doubt"] = f"feet to head would be {height * metres:.3g} m"
-        if not USUAL.shortest_m / USUAL.no_body <= height * metres <= USUAL.tallest_m * USUAL.no_body:
+        if not USUAL.shortest_m / USUAL.no_body <= height * metres <= USUAL.no_giant_m:
             raise fault(path, told["unit_doubt"], "no_body", "Say the unit: m, cm, mm, in or cmu", column="unit",
                         value=told["unit"])  # fmt: skip
     turn = _upright(axis)
+    if tall is None and body is None:
+        over = metres * np.nanmedian(_reach(points))
+        if not USUAL.shortest_m / USUAL.no_body <= over <= USUAL.widest_m:
+            told["unit_doubt"] = f"no names of feet and head are known, and the markers lie {over:.3g} m apart"
     if body is None:
         place = points @ turn.T * metres
         away = np.abs(place).max(axis=2) > USUAL.farthest_m
@@ -167,11 +182,21 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
             place[away] = np.nan
             told["far_away"] = ", ".join(label for label, ever in zip(names, away.any(axis=0), strict=True) if ever)
         markers = Markers(captured.labels, place, np.zeros(place.shape[:2], dtype=bool), segment)
-        return HumanMotion(path.stem, time, markers=markers, told=told)
+        return _with_sides(HumanMotion(path.stem, time, markers=markers, told=told))
     places = {name: getattr(body, name) @ turn.T * metres for name in ("position", "end", "rest_position", "rest_end")}
     turns = {name: turn @ getattr(body, name) for name in ("rotation", "rest_rotation")}
     tree = replace(body, **places, **turns, segment=segment)
-    return HumanMotion(path.stem, time, tree=tree, told=told)
+    return _with_sides(HumanMotion(path.stem, time, tree=tree, told=told))
+
+
+def _with_sides(motion: HumanMotion) -> HumanMotion:
+    return replace(motion, told={**motion.told, "sides_doubt": f"{DOUBT}. {WHY}"}) if exchanged(motion) else motion
+
+
+def _reach(points: Array) -> Array:
+    """(T',) widest side of the box around what is seen in a frame, of frames that show two."""
+    shown = points[np.isfinite(points[..., 0]).sum(axis=1) > 1]
+    return np.asarray((np.nanmax(shown, axis=1) - np.nanmin(shown, axis=1)).max(axis=1))
 
 
 def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segment]) -> Array | None:
@@ -190,11 +215,18 @@ def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segm
 def _up(
     path: Path, captured: Captured, stated: str | None, tall: Array | None, unknown: list[str]
 ) -> tuple[Array, str]:
+    if stated is not None and stated.lower() not in AXES:
+        raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
     if stated is not None:
-        if stated.lower() not in AXES:
-            raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
         return AXES[stated.lower()], f"stated: {stated.lower()}"
     if captured.up is not None:
+        mean = np.zeros(3) if tall is None else np.median(tall, axis=0)
+        k = int(np.abs(mean).argmax())
+        if abs(mean[k]) > USUAL.upright * np.linalg.norm(mean) and not mean[k] * captured.up[k] > 0.0:
+            seen, read = _name(np.sign(mean[k]) * np.eye(3)[k]), _name(captured.up)
+            raise fault(path, f"the file says that {read} points up, and feet to head lie along {seen}", "other_up",
+                        f"Say which way is up: {seen}, or {read} of somebody who lies", column="up",
+                        value=read)  # fmt: skip
         return captured.up, f"read: {_name(captured.up)}"
     if tall is None:
         detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"

@@ -17,6 +17,7 @@ from exogauge.motion.fit.shared import Shared, shared_fit
 from exogauge.motion.fit.start import postures, without_jumps
 from exogauge.motion.fit.track import track
 from exogauge.motion.human import HumanMotion
+from exogauge.motion.sides import refuse_exchanged
 
 Array = NDArray[np.float64]
 ENDS = {"l_hand": (0.0, 0.0, -0.189), "r_hand": (0.0, 0.0, -0.189), "l_foot": (0.21, 0.0, -0.06),
@@ -31,9 +32,12 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
     if len(motion.time) > criteria.most_frames:
         detail, advice = f"no body is fitted to more than {criteria.most_frames} frames", "Cut the motion"
         raise BadMotion(Fault(detail, "too_long", advice, motion.name, value=str(len(motion.time))))
+    refuse_exchanged(motion)
     fit = _fitted(motion, static, criteria)
     if motion.markers is not None and fit.rms > criteria.no_body_rms:
-        _refuse(motion, static, fit.rms, criteria)
+        detail = f"no body fits these markers: {100 * fit.rms:.1f} cm rms are left"
+        advice = "See to their names, the unit and the vertical axis; give a static trial"
+        raise BadMotion(Fault(detail, "no_body", advice, motion.name))
     return fit
 
 
@@ -71,23 +75,6 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
         {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
         observed.labels, offset, residual, shared.noise, _told(observed, shared, offset, residual, criteria),
     )  # fmt: skip
-
-
-def _refuse(motion: HumanMotion, static: HumanMotion | None, left: float, criteria: MotionFit) -> None:
-    """Raises BadMotion; where the mirrored motion is a body's, with that. left: [m] rms."""
-    detail = f"no body fits these markers: {100 * left:.1f} cm rms are left"
-    advice = "See to their names, the unit and the vertical axis; give a static trial"
-    if _fitted(mirrored(motion), None if static is None else mirrored(static), criteria).rms > left / 2:
-        raise BadMotion(Fault(detail, "no_body", advice, motion.name))
-    detail += ", and less than half of that in a mirror"
-    advice = "Left and right are exchanged in the markers' names, or one axis of the file points the other way"
-    raise BadMotion(Fault(detail, "mirrored", advice, motion.name))
-
-
-def mirrored(motion: HumanMotion) -> HumanMotion:
-    """Its markers as in a mirror, under the same names."""
-    assert motion.markers is not None
-    return replace(motion, markers=replace(motion.markers, position=motion.markers.position * [1.0, -1.0, 1.0]))
 
 
 def _named(values: Array) -> dict[str, float]:

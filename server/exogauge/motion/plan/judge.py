@@ -84,7 +84,8 @@ def judge(
     robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,
     rate: float | None = None, planned: Feet | None = None,
 ) -> Judged:  # fmt: skip
-    """place: of the soles' links, where each stands whenever it does. rate: [Hz], `judged_hz` where none is given.
+    """place: of the soles' links, where each stands whenever it does; none of a robot that is bolted down. rate: [Hz],
+    `judged_hz` where none is given.
 
     planned: which feet stand, and how two share the load; without it all do, so that the loads are smallest.
     """
@@ -93,19 +94,22 @@ def judge(
     q, v, a = motion.at(time)
     model, data, base = robot.model, robot.data, robot.base
     frames = [robot.frame(sole.link) for sole in robot.soles]
-    corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
-                              for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
+    corners = np.concatenate([np.zeros((0, 3)), *(sole.outline @ at.rotation.T + at.translation
+                                                  for sole, at in zip(robot.soles, place, strict=True))])  # fmt: skip
     stands = np.ones((len(time), len(frames)), dtype=bool) if planned is None else planned.standing(time)
     still = stands if planned is None else planned.still(time)
-    edges = _edges(robot, corners, stands)
-    floor = float(corners[:, 2].mean())
+    edges = _edges(robot, corners, stands) if robot.floating else {}
+    floor = float(corners[:, 2].mean()) if robot.floating else 0.0
     T, J = len(time), len(robot.joints)
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
     pressure, inside = np.full((T, 3), np.nan), np.full(T, np.nan)
-    carried, torque, strays = np.empty(T), np.empty((T, J)), np.zeros((T, 2))
+    carried, torque, strays = np.ones(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(EVENLY, len(frames))
     for t in range(T):
         tau = pin.rnea(model, data, q[t], v[t], a[t])
+        if not robot.floating:
+            torque[t] = tau
+            continue
         pin.computeJointJacobians(model, data, q[t])
         rows = np.concatenate([pin.getFrameJacobian(model, data, k, pin.LOCAL) for k in frames])
         driven = rows[:, :base]

@@ -74,19 +74,7 @@ def slow(angles: NDArray[np.float64], step: float, smooth_hz: float) -> NDArray[
 
 def margins(robot: MotionRobot, judged: Judged) -> Told:
     """What is left of every bound, and what is broken."""
-    said: Told = {}
-    inside, lifted_off = judged.least_inside, 100.0 * float(np.isnan(judged.inside).mean())
-    known = "" if inside is None else f"{1e3 * inside:.1f} mm inside the soles at least"
-    nowhere = f"nowhere in {lifted_off:.2g} % of samples: the feet carry too little for one" if lifted_off else ""
-    said["centre of pressure"] = ", ".join(filter(None, (known, nowhere)))
-    said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
-    lifted = ups(robot, judged)
-    if lifted:
-        said["feet that lift"] = "; ".join(
-            f"{link} from " + ", ".join(f"{a:.3f} to {b:.3f} s" for a, b in spans) for link, spans in lifted.items()
-        )
-    way = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
-    said["feet"] = f"{way} while they stand" if lifted else way
+    said = _on_feet(robot, judged) if robot.floating else Told()
     shares = {
         "velocity": np.abs(judged.dq[:, robot.base :]) / robot.limits.velocity,
         "torque": np.abs(judged.torque) / robot.limits.torque,
@@ -106,11 +94,34 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
         said["nearest"] = f"no two links come nearer than {1e3 * judged.apart.min():.0f} mm"
     if judged.left_out:
         said["may touch"] = ", ".join(" and ".join(pair) for pair in judged.left_out)
-    if robot.shapeless or not robot.shapes:
-        said["not looked at"] = ("collisions of " + ", ".join(robot.shapeless) + ": their meshes are not there"
-                                 if robot.shapeless else "collisions: no link has a shape")  # fmt: skip
+    said |= unseen(robot)
     said["broken"] = list(judged.broken)
     return said
+
+
+def _on_feet(robot: MotionRobot, judged: Judged) -> Told:
+    said = Told()
+    inside, lifted_off = judged.least_inside, 100.0 * float(np.isnan(judged.inside).mean())
+    known = "" if inside is None else f"{1e3 * inside:.1f} mm inside the soles at least"
+    nowhere = f"nowhere in {lifted_off:.2g} % of samples: the feet carry too little for one" if lifted_off else ""
+    said["centre of pressure"] = ", ".join(filter(None, (known, nowhere)))
+    said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
+    lifted = ups(robot, judged)
+    if lifted:
+        said["feet that lift"] = "; ".join(
+            f"{link} from " + ", ".join(f"{a:.3f} to {b:.3f} s" for a, b in spans) for link, spans in lifted.items()
+        )
+    way = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
+    said["feet"] = f"{way} while they stand" if lifted else way
+    return said
+
+
+def unseen(robot: MotionRobot) -> dict[str, str]:
+    """What of it can touch unseen, if anything."""
+    lacks = "their meshes are not there, or neither STL, OBJ nor PLY"
+    if robot.shapeless:
+        return {"not looked at": f"collisions of {', '.join(robot.shapeless)}: {lacks}; `collision.shapes` stands in"}
+    return {} if robot.shapes else {"not looked at": "collisions: no link has a shape"}
 
 
 def frame_by_frame_words(alone: Judged) -> str:

@@ -109,12 +109,14 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
         raise BadMotion(Fault("time does not run on" if len(back) else "too few samples for a motion", "bad_time",
                               f"At least {FEWEST} rows, each later than the one before", path.name, row, "t",
                               f"{time[row - 1]:g}" if len(time) else None))  # fmt: skip
-    q = np.tile(home_of(robot), (len(time), 1))
+    home = home_of(robot) if robot.floating or robot.home is None else robot.home
+    q = np.tile(home, (len(time), 1))
     for name in known:
         q[:, robot.base + robot.joints.index(name)] = columns[f"q.{name}"]
     _refuse_degrees(robot, q[:, robot.base :], path.name)
     stands = _stands(robot, {name: columns[name] for name in feet}, len(time), path.name)
-    q[:, : robot.base] = base_on(robot, q, stands)
+    if robot.floating:
+        q[:, : robot.base] = base_on(robot, q, stands)
     return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known), stands)
 
 
@@ -155,7 +157,7 @@ def _stands(robot: MotionRobot, columns: Mapping[str, Array], count: int, file: 
             raise BadMotion(Fault("the cell is neither 0 nor 1", "not_a_truth", "1 where the foot stands, else 0", file,
                                   int(wrong[0]) + 1, name, f"{columns[name][wrong[0]]:g}"))  # fmt: skip
         stands[:, f] = columns[name] == 1.0
-    flies = np.flatnonzero(~stands.any(axis=1))
+    flies = np.flatnonzero(~stands.any(axis=1) & bool(robot.soles))
     if len(flies):
         raise BadMotion(Fault("no foot stands", "flight", "Cut the motion: a robot that stands cannot fly", file,
                               int(flies[0]) + 1, next(iter(columns))))  # fmt: skip

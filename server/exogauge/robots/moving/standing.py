@@ -18,14 +18,16 @@ def home_of(robot: MotionRobot) -> Array:
     """(n,). Raises BadRobot where a robot lacks what standing needs."""
     for key, there in (("soles", robot.floating and len(robot.soles) > 1), ("home", robot.home is not None)):
         if not there:
-            advice = "Add `soles` of two feet and `home` to robot.yaml, whose base floats"
+            advice = "Add `soles` of two feet and `home` to robot.yaml, whose base floats: `motion robot` drafts them"
             raise BadRobot(Fault(f"the robot has no {key} to stand with", f"no_{key}", advice, robot.name))
     assert robot.home is not None
     return robot.home
 
 
 def standing(robot: MotionRobot) -> tuple[pin.SE3, ...]:
-    """Poses of the soles' links at home."""
+    """Poses of the soles' links at home; none of a robot that is bolted down."""
+    if not robot.floating:
+        return ()
     pin.forwardKinematics(robot.model, robot.data, home_of(robot))
     at = (pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link)) for sole in robot.soles)
     return tuple(pin.SE3(pose) for pose in at)

@@ -230,7 +230,10 @@ class JointEntry(_Part):
         if self.gear_ratio == 0.0:
             raise ValueError("gear_ratio is motor turns per joint turn and cannot be 0")
         if self.actuation == "current" and not self.prior.k_T:
-            raise ValueError("a current-actuated joint needs prior.k_T, not 0: joint torque per ampere [N·m/A]")
+            raise ValueError(
+                "a current-actuated joint needs prior.k_T, not 0: joint torque per ampere [N·m/A]; "
+                "`actuation: torque` where torques are logged"
+            )
         if self.prior.k_T is not None and self.prior.k_T < 0.0:
             raise ValueError("prior.k_T is positive: a current that drives its joint backwards is turned in a mapping")
         if self.actuation == "torque" and self.prior.k_T not in (None, 1.0):

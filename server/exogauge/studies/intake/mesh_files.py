@@ -17,9 +17,13 @@ MESH_BYTES = 20_000_000  # of one mesh file; a larger one is left out
 ALL_BYTES = 150_000_000  # of all meshes of a robot; what comes after is left out
 
 
-def mesh_opener(root: Path) -> Opener:
+def mesh_opener(root: Path, *, beside: bool = False) -> Opener:
     """Opens mesh files below `root` only, whatever scheme or package a name begins with: the file is meant whose path
-    ends as the name does, over most of its parts."""
+    ends as the name does, over most of its parts.
+
+    beside: what is not there is looked for below the folders that `root` lies in, as packages lie side by side; for
+    files of one's own alone.
+    """
     files = {
         path.relative_to(root).parts: path
         for path in sorted(root.rglob("*"))
@@ -29,18 +33,22 @@ def mesh_opener(root: Path) -> Opener:
 
     def open_mesh(name: str) -> bytes | None:
         nonlocal left
-        wanted = PurePosixPath(name.replace("\\", "/").rpartition("://")[2]).parts
+        wanted = PurePosixPath(name.replace("\\", "/").rpartition("://")[2].lstrip("/")).parts
         alike = {parts: shared_end(parts, wanted) for parts in files}
         best = max(alike, key=lambda parts: alike[parts], default=None)
-        if best is None or alike[best] == 0:
-            return None
-        size = files[best].stat().st_size
-        if size > left:
+        path = files[best] if best is not None and alike[best] else _beside(root, wanted) if beside else None
+        if path is None or (size := path.stat().st_size) > left:
             return None
         left -= size
-        return files[best].read_bytes()
+        return path.read_bytes()
 
     return open_mesh
+
+
+def _beside(root: Path, wanted: tuple[str, ...]) -> Path | None:
+    """The file that ends as `wanted` does, below a folder that `root` lies in: folder and name at least."""
+    paths = (folder.joinpath(*wanted[k:]) for k in range(len(wanted) - 1) for folder in root.resolve().parents)
+    return next((path for path in paths if path.suffix.lower() in MESHES and path.is_file()), None)
 
 
 def load_mesh(name: str, open_mesh: Opener) -> trimesh.Trimesh | None:

@@ -26,11 +26,12 @@ from exogauge.studies.intake.contract import RobotFile, ShapeEntry
 from exogauge.studies.intake.mesh_files import Opener, load_mesh, mesh_opener
 
 Array = NDArray[np.float64]
+TURN = 2.0 * np.pi  # [rad] each way, of a joint that the URDF calls continuous: cables bear no more
 
 
-def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> MotionRobot:
-    """entry: as `path`, robot.yaml, has it; meshes are looked for below its folder. Raises BadRobot, with the key that
-    is at fault."""
+def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, beside: bool = False) -> MotionRobot:
+    """entry: as `path`, robot.yaml, has it; meshes are looked for below its folder, and `beside` it as `mesh_opener`
+    says. Raises BadRobot, with the key that is at fault."""
     names, tree = [joint.name for joint in entry.joints], robot.tree
     model = flat_model(urdf.decode(), names, robot.floating)
     base = 6 if robot.floating else 0
@@ -42,10 +43,6 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> Mot
     def fault(detail: str, rule: str, advice: str, column: str, value: str) -> BadRobot:
         return BadRobot(Fault(detail, rule, advice, path.name, None, column, value))
 
-    if model.nq != model.nv:
-        turning = next(name for name, joint in zip(model.names, model.joints, strict=True) if joint.nq != joint.nv)
-        raise fault("a joint without ends has no coordinate of its own", "continuous_joint",
-                    "Give it limits: type revolute in the URDF", "urdf", turning)  # fmt: skip
     ignored = tuple(entry.collision.left_out)
     for key, named in (
         ("soles", [sole.link for sole in entry.soles]), ("human_map", list(entry.human_map.values())),
@@ -71,8 +68,11 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> Mot
         value = stated[f"limits.{key}"]
         return np.array([value.get(name, none) if isinstance(value, dict) else value for name in joints])
 
+    endless = {each.get("name") for each in read_urdf(urdf).findall("joint[@type='continuous']")}
+    turn = np.array([TURN if name in endless else np.inf for name in joints])
     limits = JointLimits(
-        tree.lower[order], tree.upper[order], tree.velocity_limit[order], of_joints("acceleration", np.inf),
+        np.maximum(tree.lower[order], -turn), np.minimum(tree.upper[order], turn),
+        tree.velocity_limit[order], of_joints("acceleration", np.inf),
         tree.effort_limit[order] * of_joints("torque_share", 1.0), of_joints("jerk", np.inf),
     )  # fmt: skip
     posture = np.array([entry.home.get(name, 0.0) for name in joints])
@@ -82,7 +82,7 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> Mot
             raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", advice, f"home.{name}", f"{value:g}")
     soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
     segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
-    shapes, shapeless = shapes_of(urdf, entry.collision.shapes, mesh_opener(path.parent))
+    shapes, shapeless = shapes_of(urdf, entry.collision.shapes, mesh_opener(path.parent, beside=beside))
     made = MotionRobot(
         robot.name, model, joints, robot.floating, limits, soles, segments, None, shapes, ignored, shapeless
     )

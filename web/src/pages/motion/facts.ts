@@ -32,6 +32,8 @@ export const TOLD: Record<string, string> = {
   up: "Upwards",
   unit: "Unit of length",
   unit_doubt: "Doubt of the unit",
+  sides_doubt: "Doubt of left and right",
+  limb_positions: "Limbs that move",
   prefix: "Subject",
   markers: "Markers",
   bones: "Bones",

@@ -1,0 +1,303 @@
+"""What other makers' programs write: spellings that are taken, and what is noticed where a file is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.motion.captures import bow, bvh
+from tests.motion.test_reading import AMC, ASF, BVH, LABELS, OURS, body, c3d, named, trc
+
+from exogauge.errors import BadMotion
+from exogauge.motion.files import open_motion
+from exogauge.motion.person import person_of
+
+
+def refused(path: Path, skeleton: Path | None = None, up: str | None = None) -> tuple[str, int | None]:
+    with pytest.raises(BadMotion) as found:
+        open_motion(path, skeleton=skeleton, up=up)
+    assert found.value.faults[0].advice
+    return found.value.faults[0].rule, found.value.faults[0].row
+
+
+def flexion(path: Path) -> np.ndarray:
+    trunk = person_of(open_motion(path)).trunk
+    return np.degrees(np.arctan2(trunk[:, 0, 2], trunk[:, 2, 2]))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("\n{", " {"), ("JOINT", "Joint"), ("OFFSET", "Offset"), ("CHANNELS", "Channels"), ("ROOT", "root"),
+        ("Frames: ", "Frames:"), ("Frames: ", "Frames:\t"), ("\n", "\r\n"), ("  ", "\t"),
+    ],
+)  # fmt: skip
+def test_a_bvh_is_spelled_as_its_program_likes(tmp_path: Path, old: str, new: str) -> None:
+    """A brace behind a name was part of the name, and small letters were no skeleton."""
+    text = bvh(bow(30.0)).decode().replace("\n  {", "\n{")
+    (tmp_path / "a.bvh").write_text(text.replace(old, new), newline="")
+    assert flexion(tmp_path / "a.bvh") == pytest.approx(bow(30.0), abs=1e-4)
+
+
+def test_a_channel_that_is_neither_place_nor_turn_is_refused(tmp_path: Path) -> None:
+    """A scale was read as an angle."""
+    (tmp_path / "a.bvh").write_text(BVH.replace("CHANNELS 3 Yrotation", "CHANNELS 3 Yscale"))
+    assert refused(tmp_path / "a.bvh") == ("bad_channel", 9)
+
+
+def both(pattern: str, limbs: tuple[str, ...], sides: tuple[str, str]) -> list[str]:
+    """Names of arms and legs in the order of `captures.BONES`."""
+    arms, legs = limbs[:3], limbs[3:]
+    return [pattern.format(s=side, limb=limb) for part in (arms, legs) for side in sides for limb in part]
+
+
+@pytest.mark.parametrize(
+    ("preset", "names"),
+    [
+        ("SMPL", ["Pelvis", "Spine3", "Head", *both("{s}_{limb}", (
+            "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"), ("L", "R"))]),
+        ("Unreal", ["pelvis", "spine_03", "head", *both("{limb}_{s}", ("upperarm", "lowerarm", "hand", "thigh", "calf",
+                                                                       "foot"), ("l", "r"))]),
+        ("Xsens MVN's segments", ["Pelvis", "T8", "Head", *both("{s}{limb}", (
+            "UpperArm", "ForeArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
+        ("VRM and Bandai Namco", ["Hips", "Chest", "Head", *both("{limb}_{s}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("SMPL", ["pelvis", "spine3", "head", *both("{s}_{limb}", (
+            "shoulder", "elbow", "wrist", "hip", "knee", "ankle"), ("left", "right"))]),
+        ("Unity", ["Hips", "Chest", "Head", *both("{s}{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("Left", "Right"))]),
+        ("VRoid", ["J_Bip_C_Hips", "J_Bip_C_UpperChest", "J_Bip_C_Head", *both("J_Bip_{s}_{limb}", (
+            "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"), ("L", "R"))]),
+        ("Kinect", ["SpineBase", "SpineShoulder", "Head", *both("{limb}{s}", (
+            "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle"), ("Left", "Right"))]),
+        ("Rigify", ["spine", "spine.003", "spine.006", *both("{limb}.{s}", (
+            "upper_arm", "forearm", "hand", "thigh", "shin", "foot"), ("L", "R"))]),
+    ],
+)  # fmt: skip
+def test_skeletons_of_more_programs_are_known(tmp_path: Path, preset: str, names: list[str]) -> None:
+    assert len(names) == len(OURS)
+    (tmp_path / "other.bvh").write_bytes(named(names))
+    assert open_motion(tmp_path / "other.bvh").told["preset"] == preset
+    assert flexion(tmp_path / "other.bvh") == pytest.approx(bow(30.0), abs=1e-4)
+
+
+def lying(text: str) -> str:
+    """The same motion of bones whose x lies along them: with all angles zero the whole body lies along x (LAFAN1)."""
+    head, motion = text.split("MOTION")
+    lines, turned = head.splitlines(), np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])  # of every bone alike: y to x
+    for k, line in enumerate(lines):
+        if "OFFSET" in line:
+            at = np.array(line.split()[1:], dtype=float)
+            lines[k] = "OFFSET " + " ".join(f"{x:.6f}" for x in turned @ at)
+    rows = motion.strip().splitlines()
+    for k, row in enumerate(rows[2:], start=2):
+        x = [float(each) for each in row.split()]
+        assert x[3:6] == [0.0, 0.0, 0.0]
+        x[3:6] = [90.0, 0.0, 0.0]  # about z, the root alone: x of the bones back to y
+        for j in range(6, len(x), 3):
+            assert x[j] == x[j + 2] == 0.0
+            x[j + 1], x[j + 2] = 0.0, -x[j + 1]  # what turned about x turns about -y
+        rows[k] = " ".join(f"{each:.6f}" for each in x)
+    return "\n".join(lines) + "\nMOTION\n" + "\n".join(rows) + "\n"
+
+
+def test_a_skeleton_whose_rest_posture_lies_is_read_by_how_the_motion_stands(tmp_path: Path) -> None:
+    """LAFAN1's was refused."""
+    (tmp_path / "a.bvh").write_text(lying(bvh(bow(30.0)).decode()))
+    assert flexion(tmp_path / "a.bvh") == pytest.approx(bow(30.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("wrong", ["names", "axis"])
+def test_left_and_right_exchanged_are_told_and_refused(tmp_path: Path, wrong: str) -> None:
+    """Such a skeleton bent backwards, and nothing was said."""
+    text = bvh(bow(30.0)).decode()
+    if wrong == "names":
+        text = text.replace("Left", "?").replace("Right", "Left").replace("?", "Right")
+    else:
+        lines = text.splitlines()
+        for k, line in enumerate(lines):
+            if "OFFSET" in line:
+                x, *rest = line.split()[1:]
+                lines[k] = " ".join(["OFFSET", str(-float(x)), *rest])
+        text = "\n".join(lines)
+    (tmp_path / "a.bvh").write_text(text)
+    motion = open_motion(tmp_path / "a.bvh")
+    assert "exchanged" in motion.told["sides_doubt"]
+    with pytest.raises(BadMotion) as found:
+        person_of(motion)
+    assert found.value.faults[0].rule == "mirrored"
+    whole = bvh(bow(30.0)).decode()
+    heel = "JOINT {}Heel\n{{\nOFFSET 0 -6 -7\nCHANNELS 0\n}}\nJOINT {}Toe\n{{\nOFFSET 0 -8 15\nCHANNELS 0\n}}\n"
+    for side in ("Left", "Right"):
+        before, foot, after = whole.partition(f"JOINT {side}Foot")
+        begin, end = after.index("End Site"), after.index("}", after.index("End Site")) + 2
+        whole = before + foot + after[:begin] + heel.format(side, side) + after[end:]
+    for right in (bvh(bow(30.0)).decode(), whole):  # a heel may come before the toes
+        (tmp_path / "a.bvh").write_text(right)
+        assert "sides_doubt" not in open_motion(tmp_path / "a.bvh").told
+
+
+def test_a_file_that_says_another_axis_than_the_body_stands_along_asks(tmp_path: Path) -> None:
+    """Y_SCREEN of a file with z up: the person lay on the floor, and nothing was said."""
+    path = c3d(tmp_path / "a.c3d", 1000 * body())
+    data = path.read_bytes()
+    assert open_motion(path).told["up"].startswith("guessed: z")
+    for said in ("+Y", "-Z"):
+        import ezc3d
+
+        file = ezc3d.c3d(str(path))
+        file.add_parameter("POINT", "Y_SCREEN", [said])
+        file.write(str(tmp_path / "said.c3d"))
+        assert refused(tmp_path / "said.c3d")[0] == "other_up"
+        motion = open_motion(tmp_path / "said.c3d", up="z")
+        assert motion.markers is not None
+        assert motion.markers.position == pytest.approx(body(), abs=1e-6)
+    assert data == path.read_bytes()
+
+
+def test_a_c3d_whose_header_leaves_counts_out_is_read_by_its_parameters(tmp_path: Path) -> None:
+    """Without the number of parameter blocks no label was read."""
+    path = c3d(tmp_path / "a.c3d", 1000 * body())
+    data = bytearray(path.read_bytes())
+    data[512 * (data[0] - 1) + 2] = 0
+    data[20:24] = bytes(4)  # frame rate; POINT:RATE has it
+    path.write_bytes(data)
+    motion = open_motion(path)
+    assert motion.markers is not None
+    assert (motion.markers.labels, motion.rate) == (LABELS, pytest.approx(100.0))
+
+
+def test_a_trc_is_spelled_as_its_program_likes(tmp_path: Path) -> None:
+    gone = body()
+    gone[3:5, -1] = np.nan
+    path = trc(tmp_path / "a.trc", gone)
+    lines = path.read_text().split("\n")
+    for text in (
+        "\n".join(line.rstrip("\t") for line in lines),  # empty fields taken off the ends of lines
+        "\n".join(lines[:4] + lines[6:]),  # neither X1 Y1 Z1 nor an empty line
+        "\n".join(line + "\t" for line in lines[:-1]) + "\n", "\r".join(lines), "\r\n".join(lines),
+    ):  # fmt: skip
+        path.write_text(text, newline="")
+        markers = open_motion(path).markers
+        assert markers is not None
+        assert markers.position == pytest.approx(gone, nan_ok=True)
+    path.write_text("\n".join(lines), encoding="utf-16")
+    assert open_motion(path).markers is not None
+
+
+def test_a_unit_of_markers_that_nobody_knows_is_doubted(tmp_path: Path) -> None:
+    """Metres that are said to be millimetres: a person of two millimetres, and nothing was said."""
+    nobody = tuple(f"m{k}" for k in range(len(LABELS)))
+    for scale, doubt in ((1.0, True), (1000.0, False), (1e6, True)):
+        motion = open_motion(c3d(tmp_path / "a.c3d", scale * body(), nobody), up="z")
+        assert ("unit_doubt" in motion.told) == doubt
+
+
+def test_times_to_the_millisecond_are_even(tmp_path: Path) -> None:
+    """Of 250 Hz they were refused; a frame that is lost is so all the same."""
+    path = trc(tmp_path / "a.trc", body(40), rate=256.0)
+    lines = path.read_text().split("\n")
+    for k in range(6, len(lines) - 1):
+        frame, time, rest = lines[k].split("\t", 2)
+        lines[k] = "\t".join([frame, f"{float(time):.3f}", rest])
+    path.write_text("\n".join(lines))
+    assert open_motion(path).rate == pytest.approx(256.0, rel=0.01)
+    path.write_text("\n".join([*lines[:2], lines[2].replace("\t40\t", "\t39\t"), *lines[3:20], *lines[21:]]))
+    assert refused(path)[0] == "uneven_time"
+
+
+def test_a_header_of_a_trc_may_leave_a_cell_empty(tmp_path: Path) -> None:
+    """What followed moved up: the unit was the number of markers."""
+    path = trc(tmp_path / "a.trc", 1000 * body(), "mm")
+    lines = path.read_text().split("\n")
+    path.write_text("\n".join([*lines[:2], lines[2].replace("100.0\t100.0", "100.0\t"), *lines[3:]]))
+    assert open_motion(path).told["unit"] == "read: 0.001 m"
+
+
+def test_a_frame_of_milliseconds_is_noticed(tmp_path: Path) -> None:
+    """Two seconds became half an hour."""
+    (tmp_path / "a.bvh").write_text(bvh(bow()).decode().replace("Frame Time: 0.016666666667", "Frame Time: 16.67"))
+    assert refused(tmp_path / "a.bvh") == ("slow_clock", None)
+
+
+def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:
+    """The motion was a thousand times slower, and nothing was said."""
+    path = trc(tmp_path / "a.trc", body())
+    lines = path.read_text().split("\n")
+    for k in range(6, len(lines) - 1):
+        frame, time, rest = lines[k].split("\t", 2)
+        lines[k] = "\t".join([frame, str(1000 * float(time)), rest])
+    path.write_text("\n".join(lines))
+    assert refused(path) == ("two_rates", 3)
+
+
+IOR = ("L_HEAD", "R_HEAD", "CV7", "L_IAS", "R_IAS", "L_FLE", "L_FCC", "R_FCC")
+GAIT = ("Top.Head", "Sternum", "R.Acromium", "L.ASIS", "R.ASIS", "L.Knee.Lat", "L.Heel", "R.Heel")
+
+
+@pytest.mark.parametrize(("preset", "labels"), [("Visual3D and IOR", IOR), ("OpenSim's gait models", GAIT)])
+def test_markers_of_more_sets_are_known(tmp_path: Path, preset: str, labels: tuple[str, ...]) -> None:
+    """L_ and R_ of IOR's names were two people."""
+    motion = open_motion(trc(tmp_path / "a.trc", body(), labels=labels))
+    assert motion.told["preset"] == preset
+    assert motion.markers is not None
+    assert set(motion.markers.segment) == set(labels)
+
+
+def test_a_mot_in_radians_that_says_degrees_asks(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 100}\t{0.1 * k}\t0.9\n" for k in range(8))
+    path = tmp_path / "a.mot"
+    path.write_text(f"inDegrees=yes\nendheader\n\ntime\thip_flexion_r\tpelvis_ty\n{rows}")
+    assert refused(path) == ("radians_for_degrees", None)
+    stated = open_motion(path, angle="rad").angles
+    assert stated is not None
+    assert stated.value[7] == pytest.approx([0.7, 0.9])
+
+
+def test_a_table_of_states_holds_coordinates_beside_speeds(tmp_path: Path) -> None:
+    """Speeds were coordinates, and a pelvis moved by radians."""
+    names = ["/jointset/ground_pelvis/pelvis_ty", "/jointset/hip_r/hip_flexion_r"]
+    head = "\t".join(f"{name}/{what}" for name in names for what in ("value", "speed"))
+    rows = "".join(f"{k / 100}\t0.9\t0\t{10 * k}\t1000\n" for k in range(8))
+    (tmp_path / "a.sto").write_text(f"inDegrees=yes\nendheader\ntime\t{head}\t/forceset/soleus/activation\n"
+                                    + rows.replace("\n", "\t0.1\n"))  # fmt: skip
+    motion = open_motion(tmp_path / "a.sto")
+    assert motion.angles is not None
+    assert motion.angles.names == ("pelvis_ty", "hip_flexion_r")
+    assert motion.angles.value[7] == pytest.approx([0.9, np.radians(70.0)])
+    assert "speed" in motion.told["left_out"]
+
+
+@pytest.mark.parametrize(
+    ("asf", "amc", "rule"),
+    [
+        (ASF.replace("order TX", "axis ZYX\n  order TX"), AMC, "bad_axis"),
+        (ASF.replace("order TX", "orientation 0 90 0\n  order TX"), AMC, "bad_axis"),
+        (ASF.replace("dof rx", "dof tx"), AMC, "limb_moves"),
+        (ASF.replace("length 1.0", "length"), AMC, "not_a_number"),
+        (ASF, AMC.replace("thorax 90", "thorax 1.57"), "radians_for_degrees"),
+        (ASF.replace("length 1.0", "length 0.1"), AMC, "no_body"),
+    ],
+)
+def test_what_an_amc_says_wrong_is_noticed(tmp_path: Path, asf: str, amc: str, rule: str) -> None:
+    (tmp_path / "a.asf").write_text(asf)
+    (tmp_path / "a.amc").write_text(amc)
+    assert refused(tmp_path / "a.amc", tmp_path / "a.asf", "y")[0] == rule
+
+
+def test_an_amc_that_was_cut_out_of_a_longer_one_begins_where_it_does(tmp_path: Path) -> None:
+    (tmp_path / "a.asf").write_text(ASF)
+    (tmp_path / "a.amc").write_text(AMC.replace("\n1\n", "\n100\n").replace("\n2\n", "\n101\n"))
+    assert len(open_motion(tmp_path / "a.amc", skeleton=tmp_path / "a.asf", up="y").time) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"), [("a.mvnx", "BVH"), ("a.csv", "C3D"), ("a.fbx", "BVH"), ("a.gz", "Unpack")]
+)
+def test_what_is_not_read_is_refused_with_what_its_program_can_export(tmp_path: Path, name: str, advice: str) -> None:
+    (tmp_path / name).write_bytes(b"anything")
+    with pytest.raises(BadMotion) as found:
+        open_motion(tmp_path / name)
+    assert found.value.faults[0].rule == "unknown_format"
+    assert advice in (found.value.faults[0].advice or "")
