@@ -12,8 +12,8 @@ from exogauge.findings.result import Place
 from exogauge.findings.verdict import Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.sites import AxisSite
-from exogauge.search.search import without_what_is_not_needed
 from exogauge.search.state import Step
+from exogauge.search.taken_out import without_what_is_not_needed
 
 pytestmark = pytest.mark.slow
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -11,12 +12,14 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from tests.motion.robots import STOCK
+from tests.motion.robots import STOCK, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.motion.excite import plan
+from exogauge.motion.robot_draft import arms_aside
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.intake.mesh_files import mesh_opener
 
 QUICK = MotionExcite(top_hz=0.6, per_period=8, drawn=1, steps=25)
@@ -116,6 +119,25 @@ def test_meshes_beside_a_folder_are_opened_for_ones_own_files_alone(tmp_path: Pa
     assert opened("package:///b/link.stl") == b"b"
 
 
+def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path) -> None:
+    """iCub's hang against its hips: forearms and hands were never looked at."""
+    robot = load_motion_robot(sample_folder(tmp_path))
+    assert robot.home is not None
+    assert arms_aside(robot, 0.01) == {}
+    roll, home = robot.joints.index("l_shoulder_roll"), robot.home.copy()
+    hidden = [pair for pair in Pairs(robot, 0.01).left_out if "l_hand" in pair]
+    for angle in np.arange(0.0, 1.2, 0.05):
+        home[robot.base + roll] = robot.home[robot.base + roll] - angle
+        against = replace(robot, home=home.copy())
+        if [pair for pair in Pairs(against, 0.01).left_out if "l_hand" in pair] != hidden:
+            break
+    found = arms_aside(against, 0.01)
+    assert next(iter(found)).startswith("l_shoulder")
+    for name, value in found.items():
+        home[robot.base + robot.joints.index(name)] = value
+    assert [pair for pair in Pairs(replace(robot, home=home), 0.01).left_out if "l_hand" in pair] == hidden
+
+
 def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: Path, capsys) -> None:
     """Pairs that are near at home are never looked at: seen in a plan's small print alone."""
     shutil.copy(stock("baxter_description/urdf/baxter.urdf"), tmp_path / "baxter.urdf")
@@ -125,3 +147,17 @@ def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: P
     assert "nearer than 10 mm at home, and so never looked at" in said
     assert main(["motion", "excite", "--robot", str(tmp_path / "robot.yaml")]) != 0
     assert re.search(r"torque of right_s1: 1\d\d % of it", capsys.readouterr().err)  # arms straight out sideways
+
+
+def test_a_robot_of_which_nothing_is_logged_is_not_excited(tmp_path: Path, capsys) -> None:
+    """After the whole search it was told that no joint moves steadily in any log."""
+    path = sample_folder(tmp_path)
+    content = yaml.safe_load(path.read_text())
+    content["joints"] = [{"name": each["name"], "actuation": "none"} for each in content["joints"]]
+    content.pop("ft_sensors", None)
+    path.write_text(yaml.safe_dump(content))
+    assert main(["motion", "excite", "--robot", str(path)]) == 2
+    said = capsys.readouterr()
+    assert "nothing can be identified" in said.err
+    assert "actuation: torque" in said.err
+    assert "search" not in said.err

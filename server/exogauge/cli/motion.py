@@ -182,17 +182,25 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
 
     from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.plan.outcome import unseen
-    from exogauge.motion.robot_draft import draft_of
+    from exogauge.motion.robot_draft import arms_aside, draft_of
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.touching import Pairs
 
+    def write() -> None:
+        head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
+        out.write_text("\n".join(head) + "\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
+
     content, told = draft_of(urdf, file.name, file.parent)
-    head = ["# Drafted by looking at the URDF. Check what is marked ?; fill in what is marked !.", *told]
-    out.write_text("\n".join(head) + "\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
-    print("\n".join(told))
+    write()
     lacks = any(each.startswith("# !") for each in told)
-    if not lacks:
+    robot = None if lacks else load_motion_robot(out, beside=True)
+    if robot is not None and (aside := arms_aside(robot, USUAL.clearance_m)):
+        content["home"] |= aside
+        told.append(f"# ? home: {', '.join(aside)} take forearms and hands off the body, where they lay against it")
+        write()
         robot = load_motion_robot(out, beside=True)
+    print("\n".join(told))
+    if robot is not None:
         near = Pairs(robot, USUAL.clearance_m).left_out
         said = {"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}
         if near:

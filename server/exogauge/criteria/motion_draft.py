@@ -27,6 +27,12 @@ class MotionDraft:
     flat: float = 0.005
     hangs: float = 0.8
     off_stop: float = 0.02
+    aside_rad: tuple[float, ...] = (
+        0.15,
+        0.3,
+        0.45,
+        0.6,
+    )  # judgement: by which arms are taken off the body, tried in turn
 
 
 USUAL = MotionDraft()

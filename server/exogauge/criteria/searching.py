@@ -62,6 +62,12 @@ class Searching:
         "held-out error without an effect over that with it, up to which it is not needed",
         derived("half a unit of the third digit"),
     )
+    surely_needed: float = criterion(
+        1.05,
+        "1",
+        "the same of the fitted logs, of the rows that it acts on, from which it is needed unasked: ten times that",
+        derived("1 + 10 (1.005 - 1)"),
+    )
     relinearised: int = criterion(
         2,
         "identifications",

@@ -95,10 +95,13 @@ class SoFar:
         """The robot without missing effects, from other recordings."""
         return identify(self.current.model.robot, recordings, self.question.settings)
 
-    def having(self, findings: Sequence[Finding]) -> SoFar:
-        """With further findings that are in the models, ranked behind those that there are."""
+    def having(self, findings: Sequence[Finding], rounds: Sequence[int] = ()) -> SoFar:
+        """With further findings that are in the models, ranked behind those that there are. rounds: how many came with
+        each of these models; one, if not otherwise said."""
         ranked = tuple(replace(each, rank=len(self.findings) + n) for n, each in enumerate(findings, 1))
-        steps = tuple(ChainStep("effect", each.effect, each.place) for each in ranked)
+        ends = np.cumsum(rounds or [1] * len(ranked))
+        firsts = [(ranked[end - count], count) for end, count in zip(ends, rounds or [1] * len(ranked), strict=True)]
+        steps = tuple(ChainStep("effect", each.effect, each.place, count - 1) for each, count in firsts)
         return replace(self, findings=(*self.findings, *ranked), additions=(*self.additions, *steps))
 
 

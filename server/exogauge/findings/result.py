@@ -148,18 +148,21 @@ class Finding:
 class ChainStep:
     """What a model has that the one before it has not: an effect at a place, its own curve, or the remainder of it.
 
-    what: `robot` as identified and `bands` as springs are first models, without effect and place.
+    what: `robot` as identified and `bands` as springs are first models, without effect and place. more: further places
+    at which the same effect was added with it.
     """
 
     what: What
     effect: str = ""
     place: Place | None = None
+    more: int = 0
 
     @property
     def identifier(self) -> str:
-        """`stribeck@torso_pitch`, `own curve of stribeck@torso_pitch`."""
+        """`stribeck@torso_pitch`, `own curve of stribeck@torso_pitch`, `presliding@j1 and 3 more`."""
         sort = "" if self.what == "effect" else f"{self.what.replace('_', ' ')} of "
-        return f"{sort}{self.effect}@{self.place.words if self.place else ''}"
+        more = f" and {self.more} more" if self.more else ""
+        return f"{sort}{self.effect}@{self.place.words if self.place else ''}{more}"
 
 
 @final

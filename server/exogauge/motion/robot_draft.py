@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, final
 
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from exogauge.criteria.motion_draft import USUAL
-from exogauge.robots.moving.robot import Shape
+from exogauge.robots.moving.robot import MotionRobot, Shape
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.import_log.robot_draft import draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
@@ -225,6 +227,40 @@ class _Look:
         if best is None or best[0] < max(self.ahead * hip[0], self.ahead * goal.translation[0]) + USUAL.flat:
             return None
         return {self.model.names[k]: float(v) for k, v in zip(joints, best[1], strict=True)}
+
+
+def arms_aside(robot: MotionRobot, clearance_m: float) -> dict[str, float]:
+    """Of one shoulder joint each, the smallest angle that takes forearms and hands off all that is not their arm: what
+    is nearer than `clearance_m` at home is never looked at. Nothing where they are off it, or no angle does."""
+    found, home = dict[str, float](), robot.home
+    assert home is not None
+    for side in ("l", "r"):
+        upper, fore = (robot.segments.get(f"{side}_{part}") for part in ("upper_arm", "forearm"))  # type: ignore[call-overload]
+        if upper is None or fore is None:
+            continue
+        own, beyond = (_carried(robot, link) for link in (upper, fore))
+
+        def close(q: Array, own: set[str] = own, beyond: set[str] = beyond) -> bool:
+            pairs = Pairs(replace(robot, home=q), clearance_m).left_out
+            return any((a in beyond) != (b in beyond) and not {a, b} <= own for a, b in pairs)
+
+        shoulder = robot.chain("thorax", f"{side}_upper_arm")  # type: ignore[arg-type]
+        tries = [(k, sign * angle) for angle in USUAL.aside_rad for k in shoulder for sign in (1.0, -1.0)]
+        for k, angle in tries if close(home) else ():
+            q = home.copy()
+            q[robot.base + k] += angle
+            if robot.limits.lower[k] <= q[robot.base + k] <= robot.limits.upper[k] and not close(q):
+                found[robot.joints[k]] = round(float(q[robot.base + k]), 3)
+                break
+    return found
+
+
+def _carried(robot: MotionRobot, link: str) -> set[str]:
+    """Links that the joint of this one moves."""
+    model, joint = robot.model, robot.model.frames[robot.frame(link)].parentJoint
+    return {
+        str(each.name) for each in model.frames if each.type == BODY and joint in list(model.supports[each.parentJoint])
+    }
 
 
 def corners(shape: Shape) -> list[Array]:

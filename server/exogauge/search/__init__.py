@@ -2,9 +2,9 @@
 
 - `state`: what it has come to
 - `candidates`, `site_rows`, `baseline`, `sums`, `partial`: what is tried, beside what
-- `score`, `refine`, `locate`: how much each gains, with which shape, where
+- `score`, `refine`, `best_shapes`, `locate`: how much each gains, with which shape, where
 - `judge`, `noise_taken`, `creeping`: what held-out logs, the sensors' noise and other causes say of the best
-- `search`: add, identify again, take back
+- `search`, `taken_out`: add, identify again, take back
 - `afterwards`, `residual_correction`, `final_numbers`, `doubt`: shapes once more, curves, numbers beside all else
 - `declared`: what is left, and declared doubts of the measurement explain
 - `ambiguity`, `finding`: what cannot be told apart, and what is said

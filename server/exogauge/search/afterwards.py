@@ -20,12 +20,13 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.settings import Recording
+from exogauge.search.best_shapes import as_added
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
 from exogauge.search.refine import broadly, climbed, closely
 from exogauge.search.residual_correction import held_out_rmse
 from exogauge.search.score import Baseline, Score, score
-from exogauge.search.search import as_added, resumed
+from exogauge.search.search import resumed
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Search
 

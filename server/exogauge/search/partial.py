@@ -17,8 +17,8 @@ from exogauge.identification.sites import BaseSite, SensorSite
 from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
-from exogauge.search.search import taken_out
 from exogauge.search.state import Search
+from exogauge.search.taken_out import taken_out
 
 
 def without_partial_names(
@@ -113,9 +113,9 @@ def _most(search: Search, number: int, channels: Sequence[str]) -> float:
 
 
 def _without_and_with(search: Search, number: int) -> tuple[Identification, Identification, Identification]:
-    """Nothing named, all that was named before it, and it too."""
+    """Nothing named, all that was named before it, and what was added with it too."""
     base = search.problem.base
-    return base, search.steps[number - 1].found if number else base, search.steps[number].found
+    return base, search.before(number), search.steps[number].found
 
 
 def _beyond(found: Identification, channels: Sequence[str]) -> float:

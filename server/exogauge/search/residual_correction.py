@@ -25,13 +25,13 @@ from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.progress import unwatched
 from exogauge.search.baseline import lay_ground
+from exogauge.search.best_shapes import as_added, judge_best
 from exogauge.search.candidates import Candidate
 from exogauge.search.doubt import gone, parameters
 from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled
 from exogauge.search.score import Baseline, Score, score
-from exogauge.search.search import as_added, judge_best
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Search, Step
 

@@ -1,43 +1,35 @@
 """Forward step by step: try everything, add what explains most, identify again; then doubt what was added first.
 
-Every effect and site that is worth it is screened by its best shape, refined and judged; shapes that a grid cannot
-hold, such as the order of a ripple, are read off the residuals. The best candidate that may be claimed is added, and
-the robot is identified again with it.
-
-Two effects at one place can look like a third before both are in the model. So where a place holds several, each of
-the earlier ones is taken out once more, and whatever explains most beside the others takes its place.
+Every effect and site that is worth it is screened by its best shape, refined and judged. The best candidate that may be
+claimed is added, with the same effect at other joints that show it beyond doubt, and the robot is identified again.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exogauge.findings.verdict import Objection, Why
-from exogauge.identification.model import AddedEffect, Effect, Site
+from exogauge.identification.equations import Equations
+from exogauge.identification.model import Site
 from exogauge.identification.result import Identification
-from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite
 from exogauge.progress import Doing
 from exogauge.resident import give_back
 from exogauge.search.baseline import Ground
-from exogauge.search.candidates import Candidate
+from exogauge.search.best_shapes import as_added, judge_best, with_closest_shape
 from exogauge.search.creeping import creeping, is_soft
 from exogauge.search.doubt import Named, gone, not_worth
-from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection, tell
-from exogauge.search.judge import Judgement, judge, not_named
+from exogauge.search.finding import Told, channel_of, low_passed, name_effect, objection, rejection, tell
+from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels, pooled
 from exogauge.search.noise_taken import noise_taken
-from exogauge.search.refine import closely, closest, refined, with_it
-from exogauge.search.score import Score, score
-from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
-from exogauge.search.state import Problem, Search, Step
-from exogauge.side_by_side import each as side_by_side
+from exogauge.search.site_rows import SiteRows, collect_rows
+from exogauge.search.state import Key, Problem, Search, Step
+from exogauge.search.taken_out import identified_again, without_the_first_betters, without_what_is_not_needed
 
 
 def searched(problem: Problem) -> Search:
@@ -77,31 +69,93 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
     search = replace(search, rejected=rejected)
     criteria = problem.settings.criteria
     claimed = [each for each in judged if not each.objection and each.score.candidate.key not in search.failed]
-    for first in claimed if len(search.steps) < criteria.search.most_effects else []:
+    rounds = sum(not each.beside for each in search.steps)
+    for first in claimed if rounds < criteria.search.most_effects else []:
         rows = rows or collect_rows(ground.model, problem.recordings, [each.score.candidate.site for each in judged])
-        winner = _weighed(search, with_closest_shape(ground, first, rows))
+        winner = _to_the_end(search, ground, first, rows)
         judged = [winner if each is first else each for each in judged]
-        candidate = winner.score.candidate
-        noise = _noise_alone(search, ground, winner, rows[candidate.site])
+        noise = _noise_alone(search, ground, winner, rows[winner.score.candidate.site])
         if noise:
-            search = search.having_failed(candidate.key, rejection(ground.model, winner, noise))
+            search = search.having_failed(winner.score.candidate.key, rejection(ground.model, winner, noise))
             continue
-        problem.tell(0.0, Doing.ADDING_EFFECT, candidate.effect.name)
-        added, told, rows = as_added(candidate), tell(ground.model, winner, judged, rows), {}
+        others = {id(each): _to_the_end(search, ground, each, rows) for each in _as_clear(ground, winner, claimed)}
+        judged = [others.get(id(each), each) for each in judged]
+        beside = [each for each in others.values() if not each.objection
+                  and not _noise_alone(search, ground, each, rows[each.score.candidate.site])]  # fmt: skip
+        told = {each.score.candidate.key: tell(ground.model, each, judged, rows) for each in (winner, *beside)}
+        rows = {}
         give_back()  # what the rows held, which the next ground needs
-        found = search.identified([*search.added, added])
-        search, following = search.screened(found)
-        kind = _kind_that_gains(search, winner, ground, following)
-        without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
-        size = gone(without, with_it)
-        rank = len(search.steps) + 1
-        finding = name_effect(rank, ground.model, winner, told, search.current, found, kind)
-        refused = objection(finding, without, with_it, criteria.judging) or _not_worth(search, winner, kind, size)
-        if not refused:
-            step = Step(added, finding, found, size, told.undecided)
-            return replace(search, steps=(*search.steps, step)), following
-        search = search.having_failed(candidate.key, rejection(ground.model, winner, refused))
+        together = [winner, *beside]
+        while together:
+            problem.tell(0.0, Doing.ADDING_EFFECT, winner.score.candidate.effect.name)
+            found = search.identified([*search.added, *(as_added(each.score.candidate) for each in together)])
+            begun = search
+            search, following = search.screened(found)
+            after, refused = _named(search, ground, following, together, told, found)
+            if not refused:
+                return after, following
+            search = replace(begun, tried=search.tried, rounds=search.rounds)
+            for each, why in refused:
+                search = search.having_failed(each.score.candidate.key, rejection(ground.model, each, why))
+            left = [each for each in together if each.score.candidate.key not in search.failed]
+            together = left if winner in left else []
     return search, None
+
+
+def _to_the_end(
+    search: Search, ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]
+) -> Judgement:
+    """With its shapes searched to the end, and an objection where it is not worth a name."""
+    return _weighed(search, with_closest_shape(ground, judged, rows))
+
+
+def _as_clear(ground: Ground, winner: Judgement, claimed: Sequence[Judgement]) -> list[Judgement]:
+    """The same effect where other joints show it beyond doubt and nothing explains their rows better: drives of one
+    make lack the same. They share no row with the winner, nor with each other, so that none can be another's shadow in
+    its own rows."""
+    equations, clear = ground.model.equations, ground.model.criteria.search.clear
+    effect, taken = winner.score.candidate.effect, _rows_of(winner, equations)
+    found = list[Judgement]()
+    if winner.score.elsewhere or not isinstance(winner.score.candidate.site, AxisSite):
+        return found
+    for each in claimed:
+        own = _rows_of(each, equations)
+        first = not own & taken
+        taken |= own  # whatever explains these rows best, they are spoken for
+        at_joint = isinstance(each.score.candidate.site, AxisSite) and each.score.candidate.effect is effect
+        if first and at_joint and not each.score.elsewhere and each.score.evidence > clear:
+            found.append(each)
+    return found
+
+
+def _rows_of(judged: Judgement, equations: Equations) -> set[int]:
+    return set(judged.score.candidate.site.kinds(equations))
+
+
+def _named(
+    search: Search,
+    ground: Ground,
+    following: Ground,
+    together: Sequence[Judgement],
+    told: Mapping[Key, Told],
+    found: Identification,
+) -> tuple[Search, list[tuple[Judgement, Objection]]]:
+    """With those of a round that hold in the model with all of them; and those that do not."""
+    before, refused = search.current, list[tuple[Judgement, Objection]]()
+    for each in together:
+        candidate = each.score.candidate
+        kind = _kind_that_gains(search, each, ground, following)
+        without, with_it = (low_passed(one, kind, each.logs) for one in (ground, following))
+        size, of_it = gone(without, with_it), told[candidate.key]
+        finding = name_effect(len(search.steps) + 1, ground.model, each, of_it, before, found, kind)
+        why = objection(finding, without, with_it, search.problem.settings.criteria.judging)
+        why = why or _not_worth(search, each, kind, size)
+        if why:
+            refused.append((each, why))
+        else:
+            step = Step(as_added(candidate), finding, found, size, of_it.undecided, beside=each is not together[0])
+            search = replace(search, steps=(*search.steps, step))
+    return search, refused
 
 
 def _weighed(search: Search, judged: Judgement) -> Judgement:
@@ -176,165 +230,3 @@ def _is_seen(ground: Ground, kind: int, judged: Judgement) -> bool:
     """Whether the logs that it was judged on have rows of this kind."""
     return any(np.isfinite(each.residual[kind]).any() for each in ground.residuals
                if each.log in judged.logs and kind in each.residual)  # fmt: skip
-
-
-def judge_best(
-    ground: Ground, recordings: Sequence[Recording], effects: Sequence[Effect], only: Site | None = None
-) -> tuple[list[Judgement], Mapping[Site, Sequence[SiteRows]]]:
-    """The best shape of every effect and site that is worth it, refined and judged, most evidence first; and the rows
-    of their sites. only: at one site."""
-    best: dict[tuple[str, Site], list[Score]] = {}
-    least, most = ground.model.criteria.judging.worth_judging, ground.model.criteria.search.judged
-    for each in ground.scores:
-        key = each.candidate.key
-        wanted = only is None or each.candidate.site == only
-        if wanted and each.evidence > least and (key in best or len(best) < most):
-            best.setdefault(key, []).append(each)
-    hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
-    rows = collect_rows(ground.model, recordings, [site for _, site in best] + [each.site for each in hints])
-    for candidate in hints:
-        sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
-        tried = score(ground.baseline, candidate, sums)
-        known = best[candidate.key][0].evidence if candidate.key in best else least
-        if tried is not None and tried.evidence > known:
-            best[candidate.key] = [tried]
-
-    def judged(scores: Sequence[Score]) -> Judgement:
-        own = rows[scores[0].candidate.site]
-        return judge(ground.model, closest(ground.baseline, scores, own), own)
-
-    return sorted(side_by_side(judged, best.values()), key=lambda one: -one.score.evidence), rows
-
-
-def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:
-    """What is to be added, its shapes searched to the end, if that may still be claimed."""
-    own, found = rows[judged.score.candidate.site], judged.score
-    baseline = with_it(ground.baseline, found, own)
-    begun = score(baseline, found.candidate, sums_of(own, found.candidate.effect, found.candidate.shape))
-    if begun is None:
-        return judged
-    end = refined(baseline, begun, own, closely(ground.model.criteria.search))
-    closer = judge(ground.model, replace(end, evidence=found.evidence), own)
-    return judged if closer.objection else closer
-
-
-def as_added(candidate: Candidate) -> AddedEffect:
-    return AddedEffect(candidate.effect, candidate.site, candidate.shape)
-
-
-Array = NDArray[np.float64]
-
-
-@runtime_checkable
-class Promising(Protocol):
-    """An effect that can read candidates for its first shape off residuals over the position."""
-
-    def promising(self, position: Array, residual: Array, span: float) -> Sequence[float]: ...
-
-
-def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
-    """Candidates whose shape the fitted residuals suggest, where they would explain more than chance."""
-    least = ground.model.criteria.search.hint
-    fitted = [each for each in ground.residuals if not each.held_out]
-    for effect in effects:
-        if not isinstance(effect, Promising):
-            continue
-        for site in ground.candidates:
-            if not isinstance(site, AxisSite) or not any(each.effect is effect for each in ground.candidates[site]):
-                continue
-            kind = ground.model.equations.layout.axis(site.axis)
-            known = [each for each in fitted if kind in each.residual]
-            if not known:
-                continue
-            residual = np.concatenate([each.residual[kind] for each in known])
-            position = np.concatenate([each.axes[site.axis].position for each in known])
-            ok, span = np.isfinite(residual), float(ground.model.sizes.range[site.axis])
-            if ok.sum() < 100:
-                continue
-            for cycles in effect.promising(position[ok], residual[ok], span):
-                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.baseline.memory[kind]) > least:
-                    yield Candidate(effect, site, (cycles,))
-
-
-def _gain(position: Array, residual: Array, order: float, memory: float) -> float:
-    """Twice the log likelihood gained by a sine and a cosine of the position, with coloured residuals."""
-    waves = np.column_stack([np.sin(order * position), np.cos(order * position), np.ones_like(position)])
-    left = residual - waves @ np.linalg.lstsq(waves, residual, rcond=None)[0]
-    centred = residual - residual.mean()
-    return float(len(residual) / memory * np.log(max(centred @ centred, 1e-300) / max(left @ left, 1e-300)))
-
-
-def without_the_first_betters(search: Search) -> Search | None:
-    """Without the first step whose place another effect takes better, once the later ones are there; None where all
-    hold."""
-    for number in range(len(search.steps)):
-        why = _bettered(search, number)
-        if why is not None:
-            return taken_out(search, number, why)
-    return None
-
-
-def _bettered(search: Search, number: int) -> Objection | None:
-    """Whether another effect at the same place explains more than this step's."""
-    problem, step, others = search.problem, search.steps[number], search.without(number)
-    site = step.added.site
-    if not any(each.added.site == site for each in others):
-        return None
-    _, ground = search.screened(search.identified([each.added for each in others]), site)
-    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
-    named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
-    best = next((each for each in judged if not each.objection), None)
-    if best is None or best is named or best.score.candidate.key in search.failed:
-        return None
-    lead = problem.settings.criteria.search.better
-    if named is not None and best.score.evidence < named.score.evidence + lead:
-        return None
-    return Objection(Why.BETTERED, of=_effects(others))
-
-
-def without_what_is_not_needed(search: Search) -> Search:
-    """An earlier effect that a later one explains too goes: at its place, or at one that is nearly alike, such as
-    another axis of a sensor on a body that turns."""
-    criteria, number = search.problem.settings.criteria.search, 0
-    while number < len(search.steps) - 1:
-        step, kept = search.steps[number], search.without(number)
-        without = search.identified([each.added for each in kept])
-        channel = step.finding.held_out.channel
-        now, then = (_held_out_rmse(each, channel) for each in (search.current, without))
-        if then > criteria.not_needed * now:
-            number += 1
-        else:
-            search = taken_out(search, number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
-    return search
-
-
-def taken_back(search: Search, number: int, objection: Objection) -> Search:
-    """Without one that turned out not to be worth its name once all others were there."""
-    search = taken_out(search, number, objection)
-    search, ground = search.screened(search.current)
-    return replace(search, last=ground)
-
-
-def taken_out(search: Search, number: int, objection: Objection) -> Search:
-    step = search.steps[number]
-    search = search.having_failed((step.added.effect.name, step.added.site), not_named(step.finding, objection))
-    return identified_again(search, search.steps[number + 1 :], search.steps[:number])
-
-
-def identified_again(search: Search, kept: Sequence[Step], begun: tuple[Step, ...] = ()) -> Search:
-    """With these steps, one after the other; their findings keep what was said of them. begun: those before them, which
-    stay as they are."""
-    search = replace(search, steps=begun)
-    for rank, each in enumerate(kept, len(begun) + 1):
-        found = search.identified([*search.added, each.added])
-        step = replace(each, finding=replace(each.finding, rank=rank), found=found)
-        search = replace(search, steps=(*search.steps, step))
-    return search
-
-
-def _effects(steps: Sequence[Step]) -> tuple[str, ...]:
-    return tuple(each.finding.effect for each in steps)
-
-
-def _held_out_rmse(found: Identification, channel: str) -> float:
-    return pooled([fit for fit in found.validation if fit.held_out and fit.channel == channel])[0]

@@ -29,13 +29,26 @@ Key = tuple[str, Site]
 @dataclass(frozen=True)
 class Step:
     """One effect that was added: as it is in the model, as it is told, and the model with it. gone: RMS that it takes
-    off the held-out error, low-passed [N·m or N]. undecided: what tells it from what it may be, too."""
+    off the held-out error, low-passed [N·m or N]. undecided: what tells it from what it may be, too. beside: whether it
+    was added with the one before it, in one round: then the model is that with all of the round."""
 
     added: AddedEffect
     finding: Finding
     found: Identification
     gone: float
     undecided: Undecided | None = None
+    beside: bool = False
+
+
+def rounds_of(steps: Sequence[Step]) -> list[list[Step]]:
+    """Those that were added together."""
+    rounds = list[list[Step]]()
+    for each in steps:
+        if each.beside and rounds:
+            rounds[-1].append(each)
+        else:
+            rounds.append([each])
+    return rounds
 
 
 @final
@@ -80,6 +93,11 @@ class Search:
     @property
     def added(self) -> list[AddedEffect]:
         return [each.added for each in self.steps]
+
+    def before(self, number: int) -> Identification:
+        """The model without this step, and without what was added with it or later."""
+        rounds = rounds_of(self.steps[: number + 1])
+        return rounds[-2][-1].found if len(rounds) > 1 else self.problem.base
 
     def without(self, number: int) -> list[Step]:
         """All steps but one."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
-from exogauge.errors import BadMotion, Fault
+from exogauge.errors import BadMotion, BadRobot, Fault
 from exogauge.experiment.envelope import within
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
@@ -65,6 +65,10 @@ def plan_excitation(
         raise BadMotion(Fault(f"a motion of {seconds:g} s is not planned", "bad_seconds", advice,
                               column="seconds", value=f"{seconds:g}"))  # fmt: skip
     robot, moving = load_robot(path.parent, path.name), load_motion_robot(path, beside=beside)
+    if not robot.contacts and all(joint.actuation == "none" for joint in robot.joints):
+        detail = "neither a torque, a current nor a foot's force is logged: nothing can be identified"
+        advice = "Say `actuation: torque`, or `current` with prior.k_T, or give ft_sensors with role contact"
+        raise BadRobot(Fault(detail, "nothing_logged", advice, path.name, column="joints"))
     task = task_of(robot, moving, seconds, criteria)
     known: Known | None = None
     if study is not None:

@@ -78,7 +78,8 @@ def added_words(step: ChainStep) -> str:
     if step.place is None:
         return FIRST_MODELS[step.what]
     sort = "" if step.what == "effect" else f"{step.what.replace('_', ' ')} of "
-    return f"{sort}{titled(step.effect, step.place)}"
+    more = f" and at {counted(step.more, 'more place')}" if step.more else ""
+    return f"{sort}{titled(step.effect, step.place)}{more}"
 
 
 def told(value: float, form: str, unit: str = "") -> str:
