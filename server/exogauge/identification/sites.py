@@ -101,12 +101,14 @@ class SensorSite:
         if self.contact:  # the same for all of its components
             found = f"felt {self.sensor}"
             felt = model.prepared.of(prepared.log, found, lambda: self._felt(model.equations, prepared))
+        if self.component is not None:
+            felt = felt[:, [self.component]]  # a copy: the others need not be held for this one
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             read = effect.columns(signals, shape)
             if self.component is None:
                 return np.asarray(np.einsum("tcw,twk->tck", read, np.broadcast_to(felt, (len(time), *felt.shape[1:]))))
-            return np.asarray(read[:, :, None] * felt[:, None, self.component])
+            return np.asarray(read[:, :, None] * felt)
 
         return Seen(signals, columns)
 
