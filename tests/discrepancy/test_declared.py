@@ -13,6 +13,7 @@ from exogauge.findings.result import WithinDeclared
 from exogauge.findings.verdict import Why
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
 from exogauge.progress import unwatched
 from exogauge.robots.description import Declared, Robot
 from exogauge.search.baseline import lay_ground
@@ -80,3 +81,22 @@ def test_what_declared_uncertainties_explain_gets_no_name(
     assert found.verdict == ("effects" if named else "undecided")
     if not named:
         assert any(each.effect == "ft_zero" and each.objection.why is Why.DECLARED for each in found.rejected)
+
+
+def sticking(log: Log) -> Log:
+    """Joint a rubs more at low speed."""
+    v = np.gradient(log.channels["q.a"], log.time)
+    peak = 1.5 * np.sign(v) * np.exp(-np.abs(v) / (0.5 * np.sqrt(np.mean(v**2))))
+    return replace(log, channels={**log.channels, "tau.a": log.channels["tau.a"] + peak})
+
+
+@pytest.mark.slow
+def test_feet_that_are_off_as_declared_do_not_hide_what_a_joint_lacks(robot: Robot) -> None:  # noqa: F811
+    """They touch many rows, so that each of their effects outweighs the joint's own."""
+    zeros = np.random.default_rng(5).standard_normal((len(SEEDS), 2, 6)) * np.repeat([2.0, 0.2], 3)
+    logs = [
+        sticking(on_two_plates(seed, {"left": lambda _t, w, z=left: w + z, "right": lambda _t, w, z=right: w + z}))
+        for seed, (left, right) in zip(SEEDS, zeros, strict=True)
+    ]
+    found = searched(replace(robot, declared=DECLARED), logs).discrepancy
+    assert [(each.effect, each.place.name) for each in found.findings] == [("stribeck", "a")]

@@ -18,10 +18,16 @@ class Searching:
     """Names of units as in `Judging`."""
 
     most_effects: int = criterion(
-        6, "effects", "more in one robot are not told apart by a few logs", judgement(MISSING)
+        6, "rounds", "that act on the same rows: more are not told apart by a few logs", judgement(MISSING)
+    )
+    most_rounds: int = criterion(
+        12, "rounds", "of a search, wherever they act: each costs as much as the first", judgement(MISSING)
     )
     judged: int = criterion(
-        12, "candidates", "per round: the best by evidence, each refined and judged", judgement(MISSING)
+        12,
+        "candidates",
+        "per round, of sensors and of the robot each: the best by evidence, refined and judged",
+        judgement(MISSING),
     )
     hint: float = criterion(
         12.0,

@@ -6,7 +6,7 @@ What is claimed is added, the robot identified again with it, and the search rep
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from exogauge.detect.so_far import Question, Searched, SoFar
@@ -22,7 +22,7 @@ from exogauge.progress import Rising, still, unwatched
 from exogauge.search.afterwards import look_into_odd_logs, shapes_again
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
-from exogauge.search.declared import within_declared, within_inputs
+from exogauge.search.declared import within_declared
 from exogauge.search.final_numbers import with_doubt_of_shapes, with_doubt_of_what_is_left, with_final_numbers
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
@@ -100,12 +100,12 @@ def _seen_in(recordings: Sequence[Recording], effects: Sequence[Effect]) -> Sequ
 
 def _as_told(search: Search) -> tuple[Search, list[Bend], list[Finding]]:
     """The search without what may not be named with all others there, bends, and the findings of all steps."""
-    judging, declared = search.problem.settings.criteria.judging, _declared_of_all(search)
+    judging = search.problem.settings.criteria.judging
     while True:
         bends = own_curves(search)
         bends += remainders(search, bends)
         findings = _with_bends(search, bends)
-        without = without_partial_names(search, bends[-1].found if bends else search.current, findings, declared)
+        without = without_partial_names(search, bends[-1].found if bends else search.current, findings)
         if without is not None:
             search, ground = without.screened(without.current)
             search = replace(search, last=ground)
@@ -117,16 +117,6 @@ def _as_told(search: Search) -> tuple[Search, list[Bend], list[Finding]]:
             drawn = [as_drawn(each, effect, judging) for each, effect in zip(findings, effects, strict=True)]
             return search, bends, drawn
         search = taken_back(search, *poor)
-
-
-def _declared_of_all(search: Search) -> Mapping[str, bool]:
-    """Channels that stand above their noise before anything is named, and whether declared uncertainties explain it."""
-    problem, first = search.problem, search.first
-    if not search.steps or first is None:
-        return {}
-    there = located(problem.base.model.equations, problem.base, first.residuals)
-    explained = within_inputs(problem.base.model, problem.recordings, there).channels
-    return {each.channel: each in explained for each in there}
 
 
 def _with_bends(search: Search, bends: Sequence[Bend]) -> list[Finding]:

@@ -16,7 +16,7 @@ from exogauge.identification.model import AddedEffect, Effect, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite
 from exogauge.search.baseline import Ground
-from exogauge.search.candidates import Candidate
+from exogauge.search.candidates import Candidate, of_measurement
 from exogauge.search.judge import Judgement, judge
 from exogauge.search.refine import closely, closest, refined, with_it
 from exogauge.search.score import Score, score
@@ -33,10 +33,12 @@ def judge_best(
     of their sites. only: at one site."""
     best: dict[tuple[str, Site], list[Score]] = {}
     least, most = ground.model.criteria.judging.worth_judging, ground.model.criteria.search.judged
+    taken = {True: 0, False: 0}  # a sensor that is a little off outweighs in many rows what one joint lacks in its own
     for each in ground.scores:
-        key = each.candidate.key
+        key, measures = each.candidate.key, of_measurement(each.candidate.site)
         wanted = only is None or each.candidate.site == only
-        if wanted and each.evidence > least and (key in best or len(best) < most):
+        if wanted and each.evidence > least and (key in best or taken[measures] < most):
+            taken[measures] += key not in best
             best.setdefault(key, []).append(each)
     hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
     rows = collect_rows(ground.model, recordings, [site for _, site in best] + [each.site for each in hints])

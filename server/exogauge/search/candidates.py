@@ -84,6 +84,11 @@ def place_kind(site: Site) -> str:
     }[type(site)]
 
 
+def of_measurement(site: Site) -> bool:
+    """Whether what sits here is wrong with a sensor, and not with the robot."""
+    return isinstance(site, SensorSite | BaseSite)
+
+
 def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
     """All combinations of the shapes' grid values; the empty one where it has none."""
     yield from itertools.product(*(shape.grid for shape in effect.shapes))

@@ -7,7 +7,7 @@ seen that is smaller. The declared inputs are fitted to the held-out residuals, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import final
 
@@ -26,10 +26,12 @@ from exogauge.identification.disturbances import (
 )
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import DRIVE, wrench_channels
+from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.logs.noise_colour import hidden_noise
 from exogauge.robots.rows import RowType
-from exogauge.search.locate import all_channels
+from exogauge.search.baseline import LogResiduals
+from exogauge.search.locate import all_channels, located
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
@@ -69,10 +71,15 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
     return WithinDeclared(tuple(each for each in excesses if each in (*coloured, *others.channels)), sources)
 
 
-def within_inputs(model: RobotModel, recordings: Sequence[Recording], excesses: Sequence[Excess]) -> WithinDeclared:
-    """The same of declared inputs alone: noise of whatever colour is not foretold on logs that were not fitted."""
-    held_out = [each for each in recordings if each.held_out]
-    return _within_inputs(model, held_out, excesses, {}) if held_out else WithinDeclared()
+def explained(
+    found: Identification, residuals: Sequence[LogResiduals], recordings: Sequence[Recording], logs: Set[str]
+) -> Mapping[str, bool]:
+    """Channels that stand above their noise in these logs, and whether declared inputs explain all of that. Noise of
+    whatever colour is not foretold on logs that were not fitted, and counts for nothing."""
+    there = located(found.model.equations, found, residuals, logs)
+    shown = [each for each in recordings if each.log.name in logs]
+    within = _within_inputs(found.model, shown, there, {}) if shown else WithinDeclared()
+    return {each.channel: each in within.channels for each in there}
 
 
 def _above(model: RobotModel, excess: Excess, rmse: float, hidden: Mapping[str, float]) -> bool:

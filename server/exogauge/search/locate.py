@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.searching import Searching
 from exogauge.findings.result import THROUGHOUT, Concentration, Coordinate, Excess
 from exogauge.findings.verdict import Seen
 from exogauge.identification.equations import Equations
@@ -20,19 +21,25 @@ from exogauge.search.baseline import LogResiduals
 Array = NDArray[np.float64]
 
 
-def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
-    """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
-    result, judging = list[Excess](), found.model.criteria.judging
+def located(
+    equations: Equations, found: Identification, residuals: Sequence[LogResiduals], logs: Set[str] | None = None
+) -> tuple[Excess, ...]:
+    """Channels whose error in these logs, the held-out ones if not otherwise said, stands above the noise floor in
+    steady motion; largest ratio first."""
+    logs = {each.log for each in residuals if each.held_out} if logs is None else logs
+    shown, judging = [each for each in residuals if each.log in logs], found.model.criteria.judging
+    above = dict[int, tuple[str, float, float]]()
     for kind, channel in all_channels(equations).items():
-        fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
-        rmse, floor = pooled(fits)
-        if not np.isfinite(rmse) or rmse < judging.above * floor:
-            continue
-        z = _sureness(found, residuals, channel, kind, fits)
-        if z > judging.sure_above:
-            held_out = [each for each in residuals if each.held_out]
-            where = _where(held_out, kind, equations.layout.rows[kind], found.model.criteria)
-            result.append(Excess(channel, unit_of(channel, equations.robot), rmse, floor, z, where))
+        rmse, floor = pooled([fit for fit in found.validation if fit.log in logs and fit.channel == channel])
+        if np.isfinite(rmse) and rmse >= judging.above * floor:
+            above[kind] = channel, rmse, floor
+    sure = _sureness(found, shown, {kind: channel for kind, (channel, _, _) in above.items()})
+    result = [
+        Excess(channel, unit_of(channel, equations.robot), rmse, floor, sure[kind],
+               _where(shown, kind, equations.layout.rows[kind], found.model.criteria))
+        for kind, (channel, rmse, floor) in above.items()
+        if sure[kind] > judging.sure_above
+    ]  # fmt: skip
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
 
 
@@ -72,27 +79,34 @@ def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
 
 
 def _sureness(
-    found: Identification, residuals: Sequence[LogResiduals], channel: str, kind: int, fits: Sequence[ChannelFit]
-) -> float:
-    """Standard errors by which the mean square error of the rows stands above what noise alone would leave in as many.
+    found: Identification, residuals: Sequence[LogResiduals], channels: Mapping[int, str]
+) -> Mapping[int, float]:
+    """Kind -> standard errors by which the mean square error of the rows stands above what noise alone would leave in
+    as many. channels: kind -> channel, of those that are asked for.
 
     Of noise, and not of the error itself: one jolt that stands far above all would make that as large as the mean.
     """
     resolved = 1e-9  # of the largest error: a lower floor is that of rounding
     criteria = found.model.criteria.search
-    floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
+    floors = {(fit.log, fit.channel): fit.noise_floor for fit in found.validation}
     predictions = {prediction.log: prediction for prediction in found.predictions}
-    relative: list[Array] = []
+    relative: dict[int, list[Array]] = {kind: [] for kind in channels}
     for each in residuals:
-        if not each.held_out or each.log not in floor or kind not in each.residual:
+        asked = {kind: name for kind, name in channels.items() if (each.log, name) in floors and kind in each.residual}
+        if not asked:
             continue
-        prediction, told = predictions[each.log], predictions[each.log].channels()
+        prediction, told = predictions[each.log], predictions[each.log].channels()  # computed anew when asked for
         time = prediction.time - prediction.time[0]
-        at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
-        error = (told.measured[channel] - told.predicted[channel])[np.minimum(at, len(time) - 1)]
-        least = resolved * float(np.max(np.abs(error), initial=1e-300))
-        relative.append((error / max(floor[each.log], least)) ** 2)
-    squares = np.concatenate(relative) if relative else np.zeros(0)
+        for kind, name in asked.items():
+            at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
+            error = (told.measured[name] - told.predicted[name])[np.minimum(at, len(time) - 1)]
+            least = resolved * float(np.max(np.abs(error), initial=1e-300))
+            relative[kind].append((error / max(floors[each.log, name], least)) ** 2)
+    return {kind: _above_noise(np.concatenate(parts or [np.zeros(0)]), criteria) for kind, parts in relative.items()}
+
+
+def _above_noise(squares: Array, criteria: Searching) -> float:
+    """squares: (n,) of errors, in units of their noise."""
     if len(squares) < criteria.told_rows:
         return 0.0
     independent = len(squares) / criteria.row_memory

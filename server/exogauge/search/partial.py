@@ -1,11 +1,8 @@
-"""Names that leave most of what is there: the catalogue's nearest shape of something that it does not hold.
-
-And names that it takes none of: what declared uncertainties of the measurement leave there as well.
-"""
+"""Names that leave most of what is there: the catalogue's nearest shape of something that it does not hold."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +10,6 @@ from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
-from exogauge.identification.sites import BaseSite, SensorSite
 from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
@@ -21,14 +17,10 @@ from exogauge.search.state import Search
 from exogauge.search.taken_out import taken_out
 
 
-def without_partial_names(
-    search: Search, found: Identification, findings: Sequence[Finding], declared: Mapping[str, bool] | None = None
-) -> Search | None:
+def without_partial_names(search: Search, found: Identification, findings: Sequence[Finding]) -> Search | None:
     """The search without findings that explain the lesser part of what was there before anything was named, at places
     that still stand far above their noise with all of it; None where there are none. found: with all of that, bends
-    too. findings: of all steps. declared: channels that stood above their noise before anything was named, and whether
-    declared uncertainties explain all of that; what a sensor or the base has wrong on no others goes, too. A joint's
-    effect stays: what is declared may be another one in each log, and the effect foretold them all alike.
+    too. findings: of all steps.
 
     A size at the edge of what such an effect can be is no measurement: something else pulls it there, where more is
     left than noise.
@@ -45,11 +37,7 @@ def without_partial_names(
         if finding.held_out.log:
             continue
         channels = _channels(search, number)
-        of_measurement = isinstance(search.steps[number].added.site, SensorSite | BaseSite)
-        there = [each for each in channels if declared and each in declared]
-        if declared and of_measurement and there and all(declared[each] for each in there):
-            poor.append((number, Objection(Why.DECLARED, of=tuple(there))))
-        elif why := _objection(search, found, finding, number, channels):
+        if why := _objection(search, found, finding, number, channels):
             poor.append((number, why))
     for number, why in reversed(poor):
         search = taken_out(search, number, why)

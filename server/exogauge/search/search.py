@@ -21,6 +21,7 @@ from exogauge.progress import Doing
 from exogauge.resident import give_back
 from exogauge.search.baseline import Ground
 from exogauge.search.best_shapes import as_added, judge_best, with_closest_shape
+from exogauge.search.candidates import of_measurement
 from exogauge.search.creeping import creeping, is_soft
 from exogauge.search.doubt import Named, gone, not_worth
 from exogauge.search.finding import Told, channel_of, low_passed, name_effect, objection, rejection, tell
@@ -28,7 +29,7 @@ from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels, pooled
 from exogauge.search.noise_taken import noise_taken
 from exogauge.search.site_rows import SiteRows, collect_rows
-from exogauge.search.state import Key, Problem, Search, Step
+from exogauge.search.state import Key, Problem, Search, Step, rounds_of
 from exogauge.search.taken_out import identified_again, without_the_first_betters, without_what_is_not_needed
 
 
@@ -64,13 +65,14 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
     search = replace(search, creeping=creeping(search.current, judged, problem.settings.creeping, named))
     if search.creeping.below:
         return search, None
-    judged = [_weighed(search, each) for each in judged if not is_soft(each)]
+    judged = [_weighed(search, _within_declared(search, each)) for each in judged if not is_soft(each)]
     rejected = tuple(rejection(ground.model, each, each.objection) for each in judged if each.objection)
     search = replace(search, rejected=rejected)
     criteria = problem.settings.criteria
     claimed = [each for each in judged if not each.objection and each.score.candidate.key not in search.failed]
-    rounds = sum(not each.beside for each in search.steps)
-    for first in claimed if rounds < criteria.search.most_effects else []:
+    for first in claimed if len(rounds_of(search.steps)) < criteria.search.most_rounds else []:
+        if _acting_on(search, _rows_of(first, ground.model.equations)) >= criteria.search.most_effects:
+            continue
         rows = rows or collect_rows(ground.model, problem.recordings, [each.score.candidate.site for each in judged])
         winner = _to_the_end(search, ground, first, rows)
         judged = [winner if each is first else each for each in judged]
@@ -156,6 +158,27 @@ def _named(
             step = Step(as_added(candidate), finding, found, size, of_it.undecided, beside=each is not together[0])
             search = replace(search, steps=(*search.steps, step))
     return search, refused
+
+
+def _acting_on(search: Search, rows: set[int]) -> int:
+    """Rounds in which something was added that acts on any of these rows."""
+    equations = search.problem.base.model.equations
+    return sum(any(rows & set(each.added.site.kinds(equations)) for each in one) for one in rounds_of(search.steps))
+
+
+def _within_declared(search: Search, judged: Judgement) -> Judgement:
+    """With an objection where it is of what measures, and declared uncertainties explain all that stands above the
+    noise where it acts, in the logs that it is about. A joint's effect stays: what is declared may be another one in
+    each log, and the effect foretold them all alike."""
+    if judged.objection or not of_measurement(judged.score.candidate.site):
+        return judged
+    equations = search.problem.base.model.equations
+    own = {channel_of(equations, kind) for kind in judged.score.candidate.site.kinds(equations)}
+    known = search.explained(frozenset(judged.logs))
+    there = tuple(channel for channel in known if channel in own)
+    if not there or not all(known[each] for each in there):
+        return judged
+    return replace(judged, objection=Objection(Why.DECLARED, of=there))
 
 
 def _weighed(search: Search, judged: Judgement) -> Judgement:

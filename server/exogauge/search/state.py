@@ -19,6 +19,7 @@ from exogauge.resident import give_back
 from exogauge.search.ambiguity import Undecided
 from exogauge.search.baseline import Ground, lay_ground
 from exogauge.search.creeping import Creeping
+from exogauge.search.declared import explained
 
 ON_LOADS = ("load", "drive")  # coordinates of effects of a joint that depend on what the bodies weigh
 
@@ -72,7 +73,7 @@ class Search:
     """steps: what was added, in order. failed: what was added and taken back. rejected: what the last round judged and
     did not claim. first, last: grounds. tried: candidates. rounds: grounds laid. eyes: the model whose loads effects
     see; None: the base, and then what comes of it. creeping: joints that were found to creep; then the search has
-    stopped, as it has to begin anew without these rows.
+    stopped, as it has to begin anew without these rows. declared: what `explained` has answered.
     """
 
     problem: Problem
@@ -85,6 +86,7 @@ class Search:
     rounds: int = 0
     eyes: Identification | None = None
     creeping: Creeping = field(default_factory=lambda: Creeping({}, ()))
+    declared: dict[frozenset[str], Mapping[str, bool]] = field(default_factory=dict)
 
     @property
     def current(self) -> Identification:
@@ -102,6 +104,17 @@ class Search:
     def without(self, number: int) -> list[Step]:
         """All steps but one."""
         return [each for k, each in enumerate(self.steps) if k != number]
+
+    def explained(self, logs: frozenset[str] = frozenset()) -> Mapping[str, bool]:
+        """Channels that stand above their noise in these logs, the held-out ones if not otherwise said, before anything
+        is named; and whether declared uncertainties of the measurement explain all of that."""
+        if self.first is None:
+            return {}
+        held_out = frozenset(each.log.name for each in self.problem.recordings if each.held_out)
+        logs = logs or held_out
+        if logs not in self.declared:
+            self.declared[logs] = explained(self.problem.base, self.first.residuals, self.problem.recordings, logs)
+        return self.declared[logs]
 
     def having_failed(self, key: Key, why: Alternative) -> Search:
         return replace(self, failed={**self.failed, key: why})
