@@ -65,6 +65,9 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
     search = replace(search, creeping=creeping(search.current, judged, problem.settings.creeping, named))
     if search.creeping.below:
         return search, None
+    for each in judged:
+        if not each.objection and of_measurement(each.score.candidate.site):
+            search = search.asked_of(frozenset(each.logs))
     judged = [_weighed(search, _within_declared(search, each)) for each in judged if not is_soft(each)]
     rejected = tuple(rejection(ground.model, each, each.objection) for each in judged if each.objection)
     search = replace(search, rejected=rejected)
@@ -174,7 +177,7 @@ def _within_declared(search: Search, judged: Judgement) -> Judgement:
         return judged
     equations = search.problem.base.model.equations
     own = {channel_of(equations, kind) for kind in judged.score.candidate.site.kinds(equations)}
-    known = search.explained(frozenset(judged.logs))
+    known = search.declared.get(frozenset(judged.logs), {})
     there = tuple(channel for channel in known if channel in own)
     if not there or not all(known[each] for each in there):
         return judged

@@ -73,7 +73,8 @@ class Search:
     """steps: what was added, in order. failed: what was added and taken back. rejected: what the last round judged and
     did not claim. first, last: grounds. tried: candidates. rounds: grounds laid. eyes: the model whose loads effects
     see; None: the base, and then what comes of it. creeping: joints that were found to creep; then the search has
-    stopped, as it has to begin anew without these rows. declared: what `explained` has answered.
+    stopped, as it has to begin anew without these rows. declared: of logs that were
+    asked, channels that stand above their noise, and whether declared uncertainties explain all of that.
     """
 
     problem: Problem
@@ -86,7 +87,7 @@ class Search:
     rounds: int = 0
     eyes: Identification | None = None
     creeping: Creeping = field(default_factory=lambda: Creeping({}, ()))
-    declared: dict[frozenset[str], Mapping[str, bool]] = field(default_factory=dict)
+    declared: Mapping[frozenset[str], Mapping[str, bool]] = field(default_factory=dict)
 
     @property
     def current(self) -> Identification:
@@ -105,16 +106,12 @@ class Search:
         """All steps but one."""
         return [each for k, each in enumerate(self.steps) if k != number]
 
-    def explained(self, logs: frozenset[str] = frozenset()) -> Mapping[str, bool]:
-        """Channels that stand above their noise in these logs, the held-out ones if not otherwise said, before anything
-        is named; and whether declared uncertainties of the measurement explain all of that."""
-        if self.first is None:
-            return {}
-        held_out = frozenset(each.log.name for each in self.problem.recordings if each.held_out)
-        logs = logs or held_out
-        if logs not in self.declared:
-            self.declared[logs] = explained(self.problem.base, self.first.residuals, self.problem.recordings, logs)
-        return self.declared[logs]
+    def asked_of(self, logs: frozenset[str]) -> Search:
+        """Knowing what declared uncertainties of the measurement explain in these logs before anything is named."""
+        if self.first is None or logs in self.declared:
+            return self
+        found = explained(self.problem.base, self.first.residuals, self.problem.recordings, logs)
+        return replace(self, declared={**self.declared, logs: found})
 
     def having_failed(self, key: Key, why: Alternative) -> Search:
         return replace(self, failed={**self.failed, key: why})
