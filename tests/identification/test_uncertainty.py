@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.uncertainty import block_length
+from exogauge.identification.solution import solve
+from exogauge.identification.uncertainty import block_length, score_covariance
 
 
 def test_blocks_grow_with_the_memory_of_the_residual():
@@ -85,3 +86,19 @@ def test_what_noise_of_the_encoders_adds_is_taken_off(make_truth, make_log):
     before, after = np.mean(errors, axis=0)
     assert before < -0.05 * truth.xi["J_r"][1]
     assert abs(after) < 0.4 * abs(before)
+
+
+@pytest.mark.parametrize("passes", [1, 4])
+def test_what_currents_leave_open_is_known_as_it_was_stated_however_far_the_passes_came(make_truth, make_log, passes):
+    """One factor of all torques: no row tells it, whichever iteration's rows they are."""
+    truth = make_truth(False, joints=3, actuation="current")
+    logs = [make_log(truth, seed, seconds=20.0, noise=1e-3) for seed in (1, 2)]
+    joints = tuple(replace(joint, prior_std={"k_T": 0.06 * joint.prior["k_T"]}) for joint in truth.robot.joints)
+    recordings, settings = [Recording(each, False) for each in logs], Settings(cutoff_hz=8.0)
+    model = identify(replace(truth.robot, joints=joints), recordings, settings).model
+    prepared = [model.prepare(each) for each in logs]
+    solution = solve(model.equations, prepared, model.solution.prior, settings, passes=passes)
+    covariance = solution.unbounded.covariance(score_covariance(model.equations, prepared, solution))
+    stated = solution.prior.seen_covariance
+    for column in solution.gains.columns:
+        assert covariance[column, column] < 1.1**2 * stated[column, column]

@@ -28,15 +28,17 @@ def score_covariance(equations: Equations, logs: Sequence[Prepared], solution: S
     The score is given (I - M)^-½ of itself, to first order s + ½ H_b H⁻¹ s, H_b the block's own part of the curvature.
     And the ends of a block of length L belong to the errors of its neighbours: of noise with the integral correlation
     time m a block's sum has 1 - m / 2L of what long ones have.
+    The rows are those whose curvature H is. Of other ones, an iteration on, the direction that currents leave open is
+    another: what H knows next to nothing of got a score, and masses a doubt of fifty times what was stated of them.
     """
-    x, weights = solution.solved.x, solution.weights
+    x, before, weights = solution.solved.x, solution.x_before, solution.weights
     meat = np.zeros((equations.size, equations.size))
 
     def of_blocks(log: Prepared) -> Array:
         residual = equations.residuals(log, x)
         length, memory = block_length(residual[:, weights > 0.0], log.log.rate_hz / (log.kept[1] - log.kept[0]))
-        sums = equations.scores(log, x, weights, length)
-        bent = equations.curved(log, x, weights, length, solution.unbounded.divided(sums.T).T)
+        sums = equations.scores(log, before, x, weights, length)
+        bent = equations.curved(log, before, weights, length, solution.unbounded.divided(sums.T).T)
         return np.asarray((sums + 0.5 * bent) / np.sqrt(1.0 - 0.5 * min(memory / length, 1.0)))
 
     for sums in side_by_side(of_blocks, logs):
