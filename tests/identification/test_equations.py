@@ -185,7 +185,7 @@ def test_statistics_do_not_depend_on_how_the_log_is_cut(case, monkeypatch):
     equations, truth, prepared = case
     x, weights = true_parameters(equations, truth), np.ones(len(equations.columns()))
     (whole,) = equations.collect(prepared, x, 1)
-    residual, scores = equations.residuals(prepared, x), equations.scores(prepared, x, weights, 37)
+    residual, scores = equations.residuals(prepared, x), equations.scores(prepared, x, x, weights, 37)
     monkeypatch.setattr(module, "CHUNK", 101)
     parts = equations.collect(prepared, x, 5)
     assert len(parts) == 5
@@ -194,7 +194,7 @@ def test_statistics_do_not_depend_on_how_the_log_is_cut(case, monkeypatch):
     for one, other in zip(whole.normal(weights), together.normal(weights), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(one).max())
     np.testing.assert_allclose(equations.residuals(prepared, x), residual, atol=1e-10)
-    again = equations.scores(prepared, x, weights, 37)
+    again = equations.scores(prepared, x, x, weights, 37)
     np.testing.assert_allclose(again, scores, atol=1e-9 * np.abs(scores).max())
 
 
@@ -203,7 +203,7 @@ def test_scores_of_all_stretches_add_up_to_the_gradient(case):
     x, weights = true_parameters(equations, truth) * 1.1, np.arange(1.0, len(equations.columns()) + 1)
     (whole,) = equations.collect(prepared, x, 1)
     G, g, _ = whole.normal(weights)
-    total = equations.scores(prepared, x, weights, 50).sum(axis=0)
+    total = equations.scores(prepared, x, x, weights, 50).sum(axis=0)
     np.testing.assert_allclose(total, g - G @ x, atol=1e-9 * np.abs(g).max())
 
 
