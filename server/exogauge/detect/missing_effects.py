@@ -43,14 +43,13 @@ def missing_effects(so_far: SoFar) -> SoFar:
     search, joined = look_into_odd_logs(search)
     search, bends, findings = _as_told(shapes_again(search))
     base = search.problem.base
-    rounds = [len(each) for each in rounds_of(search.steps)]
-    of_rounds = [each[-1].found for each in rounds_of(search.steps)]
-    models = (*so_far.models[:-1], base, *of_rounds, *(each.found for each in bends))
+    rounds = rounds_of(search.steps)
+    models = (*so_far.models[:-1], base, *(each[-1].found for each in rounds), *(each.found for each in bends))
     current = with_doubt_of_shapes(models[-1], search.added, search.problem.recordings)
     notes = joined if any(each.held_out for each in recordings) else (Caveat("not_held_out"),)
     told = _told(search, current, with_bends=bool(bends), notes=notes)
     current = with_doubt_of_what_is_left(current, told.after)
-    so_far = replace(so_far, models=(*models[:-1], current)).having(findings, rounds)
+    so_far = replace(so_far, models=(*models[:-1], current)).having(findings, [len(each) for each in rounds])
     unnamed = tuple(ChainStep(each.what, each.finding.effect, each.finding.place) for each in bends)
     return replace(
         so_far,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import final
 
 import numpy as np
@@ -99,9 +100,10 @@ class SoFar:
         """With further findings that are in the models, ranked behind those that there are. rounds: how many came with
         each of these models; one, if not otherwise said."""
         ranked = tuple(replace(each, rank=len(self.findings) + n) for n, each in enumerate(findings, 1))
-        ends = np.cumsum(rounds or [1] * len(ranked))
-        firsts = [(ranked[end - count], count) for end, count in zip(ends, rounds or [1] * len(ranked), strict=True)]
-        steps = tuple(ChainStep("effect", each.effect, each.place, count - 1) for each, count in firsts)
+        counts = rounds or [1] * len(ranked)
+        firsts = [ranked[end - count] for end, count in zip(accumulate(counts), counts, strict=True)]
+        steps = tuple(ChainStep("effect", each.effect, each.place, count - 1)
+                      for each, count in zip(firsts, counts, strict=True))  # fmt: skip
         return replace(self, findings=(*self.findings, *ranked), additions=(*self.additions, *steps))
 
 

@@ -73,8 +73,8 @@ class Search:
     """steps: what was added, in order. failed: what was added and taken back. rejected: what the last round judged and
     did not claim. first, last: grounds. tried: candidates. rounds: grounds laid. eyes: the model whose loads effects
     see; None: the base, and then what comes of it. creeping: joints that were found to creep; then the search has
-    stopped, as it has to begin anew without these rows. declared: of logs that were
-    asked, channels that stand above their noise, and whether declared uncertainties explain all of that.
+    stopped, as it has to begin anew without these rows. declared: of logs that were asked, channels that stand above
+    their noise, and whether declared uncertainties explain all of that.
     """
 
     problem: Problem

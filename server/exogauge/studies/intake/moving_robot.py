@@ -26,7 +26,9 @@ from exogauge.studies.intake.contract import RobotFile, ShapeEntry
 from exogauge.studies.intake.mesh_files import Opener, load_mesh, mesh_opener
 
 Array = NDArray[np.float64]
-TURN = 2.0 * np.pi  # [rad] each way, of a joint that the URDF calls continuous: cables bear no more
+# [rad] each way, of a joint that the URDF calls continuous: a judgement, as cables bear more or less; `type: revolute`
+# with limits in the URDF says otherwise. No criterion: it stands in for a limit of the robot that its maker left out.
+TURN = 2.0 * np.pi
 
 
 def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, beside: bool = False) -> MotionRobot:
