@@ -107,6 +107,21 @@ def test_friction_that_is_a_spring_after_every_turn_is_no_slip(robot: Robot, flo
     assert list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(slow)])) == []
 
 
+def test_that_nothing_moves_is_told_and_so_is_a_joint_that_does_not(
+    robot: Robot, logs: list[dict[str, np.ndarray]]
+) -> None:
+    """What cannot be judged is not the same as nothing wrong."""
+    rng = np.random.default_rng(0)
+
+    def at_rest(each: dict[str, np.ndarray], *names: str) -> dict[str, np.ndarray]:
+        return each | {n: each[n][0] + 1e-5 * rng.standard_normal(len(each[n])) for n in names}
+
+    for names, told in ((("q.j1", "q.j2", "q.j3"), ("q.*", "warning")), (("q.j3",), ("i.j3", "note"))):
+        still = [as_log(k, at_rest(each, *names)) for k, each in enumerate(logs)]
+        found = [each for _, each in examine_against_robot(robot, still) if each.rule == "not_judged"]
+        assert {(each.channel, each.severity) for each in found} == {told}
+
+
 def test_joints_at_rest_say_nothing_of_their_signs(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
     rng = np.random.default_rng(0)
     still = [

@@ -86,6 +86,9 @@ def examine_against_robot(
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, unlike, expected = find_slips(robot, seen)
+    for finding in not_judged(robot, expected):
+        for log in logs:
+            yield log.name, finding
     told = set[tuple[str, str]]()
     slips, delays = _late_and_no_slip(slips, expected)
     for slip in slips:
@@ -112,6 +115,21 @@ def examine_against_robot(
     for name, finding in by_channel:
         if (name, finding.channel) not in told:
             yield name, finding
+
+
+def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
+    """Of which joints nothing can be said, as none of the logs moves them for long enough."""
+    asked = [a for a, joint in enumerate(robot.joints) if joint.actuation != "none"]
+    silent = [a for a in asked if not any(each.tells(a) for each in expected)]
+    advice = "nothing was held against the description there: record a motion of it before its numbers are believed"
+    for a in silent if len(silent) < len(asked) else ():
+        channel = f"{DRIVE[robot.joints[a].actuation]}.{robot.joints[a].name}"
+        yield Finding(
+            "note", channel, "not_judged", "moves too little for its sign, unit and zero to be judged", advice
+        )
+    if len(silent) == len(asked):
+        detail = "no joint moves long enough for signs, units, zeros and columns to be judged"
+        yield Finding("warning", "q.*", "not_judged", detail, advice.replace("of it ", ""))
 
 
 def _late_and_no_slip(slips: Sequence[Slip], expected: Sequence[Expected]) -> tuple[list[Slip], list[Delay]]:
