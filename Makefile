@@ -151,8 +151,8 @@ same: $(READY)  ## do two trees give the same numbers? BASE=REVISION, ONLY=sampl
 lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet uv
-	$(COMPILE) --extra build --extra test --extra check --extra sample pyproject.toml -o requirements.lock
-	$(COMPILE) --extra build --constraint requirements.lock pyproject.toml -o docker/requirements.lock
+	$(COMPILE) --extra build --extra test --extra check --extra sample --extra telemetry pyproject.toml -o requirements.lock
+	$(COMPILE) --extra build --extra telemetry --constraint requirements.lock pyproject.toml -o docker/requirements.lock
 
 clean:  ## remove the environment and caches
 	rm -rf .venv .venv-* web/node_modules web/dist .cache .pytest_cache .mypy_cache .ruff_cache

@@ -14,6 +14,7 @@ from typing import final
 
 import uvicorn
 
+from exogauge import tracing
 from exogauge.api.app import create_app, has_accounts
 from exogauge.api.connection import Limits, connection_within
 from exogauge.errors import BadInput, Fault, Unavailable
@@ -102,6 +103,7 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
     refuse_open_house(settings)  # whoever calls this
     if with_parent:
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
+    tracing.send_spans("server")
     prepare(settings)
     with listening(settings.host, settings.port) as bound:
         tempfile.tempdir = str(own_folder(settings.scratch).path)  # swept where this process is killed

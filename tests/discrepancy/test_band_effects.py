@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, fields, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,7 @@ from scipy.signal import lfilter
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import lay_ground
+from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.detect.device.workflow import find_band_effects
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
@@ -430,6 +431,40 @@ def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
             if approach == "A":  # by which it was named
                 assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
             assert abs(after.stiffness.value - K) < abs(linear.bands[0].stiffness.value - K)
+
+
+def without_the_last_joint(seen):
+    """The same, its last joint among those that are looked at besides."""
+    own, last = (slice(None), slice(2)), (slice(None), slice(2, None))
+    of_joints = ("q", "a", "b", "compared", "steady", "rest", "slope_a", "slope_b")
+    evidences = [replace(each, **{name: getattr(each, name)[own] for name in of_joints}) for each in seen.evidences]
+    nothings = [replace(each, b=each.b[own], steady=each.steady[own]) for each in seen.nothings]
+    floor = np.full(2, NOISE)
+    repeats = Repeatability(*[found_in_nothing(floor)] * 3, np.zeros(2))
+    backgrounds = {motion: replace(each, repeats=repeats) for motion, each in seen.backgrounds.items()}
+    beside = {each.worn.log.name: (each.b[each.kept][last], each.steady[each.kept][last]) for each in seen.evidences}
+    null = {motion: [(each.b[last], each.steady[last]) for each in seen.nothings if each.motion == motion]
+            for motion in backgrounds}  # fmt: skip
+    beyond = Beyond(np.array([2]), JOINTS[2:], beside, beside, null, np.full(1, NOISE), np.full(1, NOISE))
+    return Gathered(evidences, backgrounds, nothings, np.arange(2), JOINTS[:2]), beyond
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("approach", ["A", "B"])
+def test_bands_are_fitted_again_beside_what_is_named_where_further_joints_were_looked_at(trunk, approach):
+    """As on every humanoid: joints that no band crosses move, too."""
+    seen, beyond = without_the_last_joint(gathered(trunk, ("left", "band_hardening"), 1))
+    if approach == "B":
+        seen = replace(seen, evidences=[replace(each, a=None) for each in seen.evidences])
+    fit = partial(identify_bands, trunk.model, trunk.device, approach, seen.evidences, np.full(2, NOISE))
+    found = find_band_effects(trunk.model, seen, [fit(seen.nothings, JOINTS[:2])], NONE_YET, beyond)
+    assert named(found) == [("band_hardening", "left")]
+    told = fit(seen.nothings, JOINTS[:2], *found.bands)
+    assert {each.check for each in told.cross_checks} >= {"strokes", "misfit"}
+    for band in told.bands:
+        low, high = band.stiffness_interval
+        assert band.with_effects
+        assert low < K < high
 
 
 @pytest.mark.slow

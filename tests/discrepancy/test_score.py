@@ -26,7 +26,7 @@ def case(study, on_joint, identified):
 
 @pytest.fixture(scope="module")
 def scored(case):
-    baseline, logs, x = case
+    baseline, logs, _ = case
     model = baseline.model
 
     def of(name, axis, shape):
@@ -34,7 +34,7 @@ def scored(case):
         candidate, sums = Candidate(shaped_effects()[name], site, shape), Sums()
         for prepared in logs:
             kinds = site.kinds(model.equations)
-            _, rows = rows_of(model.equations, prepared, x, set(kinds))
+            _, rows = rows_of(model, prepared, set(kinds))
             sums.take(site, kinds, columns_of([candidate], site.see(model, prepared), prepared, 1), rows)
         return score(baseline, candidate, sums.by_site[site])
 
@@ -215,7 +215,7 @@ def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itsel
         sums, columns = Sums(), columns_of(every, site.see(model, prepared), prepared, 1)
         assert columns.different.shape[1] == (effect.shapes[0].low <= number) * len(effect.coefficients)
         assert columns.every.shape[1] == len(every) * len(effect.coefficients)
-        _, rows = rows_of(model.equations, prepared, x, {kind})
+        _, rows = rows_of(model, prepared, {kind})
         sums.take(site, site.kinds(model.equations), columns, rows)
         whole = KindSums.empty(columns.every.shape[1], len(model.equations.columns()[kind]))
         for _, chunks in model.equations.rows(prepared, x):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect, Extension
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import AxisSite
+from exogauge.identification.solution import solve
 from exogauge.search.doubt import inverse_of_rest
 from exogauge.search.final_numbers import with_doubt_of_shapes
 
@@ -55,9 +58,38 @@ def test_friction_beside_an_effect_moves_with_its_shape_as_its_deviation_says(ro
     assert np.all(np.diag(doubted.model.covariance) >= np.diag(found.model.covariance) - 1e-12)
 
 
+@pytest.mark.parametrize("passes", [1, 4])
+def test_shapes_leave_a_scale_that_currents_leave_open_as_it_was_stated(weighed, record, passes):
+    """One factor of all torques: no row tells it, whichever iteration's rows they are, and so no shape moves it."""
+    k_T, known = (6.0, 5.0, 3.0), weighed(("current",) * 3)
+    joints = tuple(replace(joint, prior_std={"k_T": 0.06 * joint.prior["k_T"]}) for joint in known.joints)
+    robot = replace(known, joints=joints, inertial_std={"": 0.3})
+
+    def recorded(seed):
+        log = record(seed, lambda motion: TAU_B * np.sign(motion.v) * np.exp(-((np.abs(motion.v) / V_S) ** 2)), 20.0)
+        channels = dict(log.channels)
+        for joint, k in zip(joints, k_T, strict=True):
+            channels[f"i.{joint.name}"] = channels.pop(f"tau.{joint.name}") / k
+        return Recording(replace(log, channels=channels), False)
+
+    recordings = [recorded(seed) for seed in (1, 2)]
+    first = identify(robot, recordings, SETTINGS)
+    sizes, effect = first.model.sizes.velocity, shaped_effects()["stribeck"]
+    added = [AddedEffect(effect, AxisSite(axis), (V_S / sizes[axis], 2.0)) for axis in range(3)]
+    found = identify(robot, recordings, SETTINGS, extension=Extension(first.model, tuple(added), {}))
+    prepared = [found.model.prepare(each.log) for each in recordings]
+    solution = solve(found.model.equations, prepared, found.model.solution.prior, SETTINGS, passes=passes)
+    found = replace(found, model=replace(found.model, solution=solution))
+    doubted = {each.name: each.std for each in with_doubt_of_shapes(found, added, recordings).parameters}
+    for each in found.parameters:
+        if each.name.startswith("k_T"):
+            assert each.std < each.prior_std
+            assert doubted[each.name] < 1.01 * each.std
+
+
 def test_what_is_swallowed_is_in_great_doubt_and_not_in_none():
     """Three columns of which the last is hardly more than the sum of the others, with what is fitted beside them; the
-    part that this takes is of another pass, and off by a millionth."""
+    part that this takes is off by a millionth."""
     rng = np.random.default_rng(4)
     beside, columns = rng.normal(size=(5000, 4)), rng.normal(size=(5000, 3)) * [1.0, 30.0, 0.02]
     columns[:, 2] = (columns[:, 0] + columns[:, 1] / 30.0) * 0.02 + 1e-7 * rng.normal(size=5000)

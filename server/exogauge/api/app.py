@@ -50,7 +50,7 @@ from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
 from exogauge.api.metrics import OfInstallation
-from exogauge.api.observed import Measures, Observed
+from exogauge.api.observed import Measures, Observed, quiet
 from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
 from exogauge.api.routing import Router
@@ -98,6 +98,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         docs_url=None,  # it loads its code from elsewhere
         redoc_url=None,
         redirect_slashes=False,
+        telemetry={"metrics": False, "logs": False, "operation_spans": False, "exclude": quiet},
     )
     app.state.settings = settings
     app.state.installation = installation

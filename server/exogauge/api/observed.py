@@ -7,8 +7,10 @@ import logging
 import re
 import time
 import uuid
-from typing import final
+from collections.abc import Mapping
+from typing import Any, final
 
+from opentelemetry.trace import get_current_span
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -19,7 +21,11 @@ log = logging.getLogger(__name__)
 GIVEN = re.compile(r"[A-Za-z0-9._-]{8,64}")
 # Edges of the histogram: from an answer out of memory to a body that comes slowly.
 SECONDS = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 120.0)
-QUIET = ("/healthz", "/readyz", "/metrics")
+
+
+def quiet(scope: Mapping[str, Any]) -> bool:
+    """Asked by whoever watches the service, every few seconds."""
+    return scope["type"] == "http" and scope["path"] in ("/healthz", "/readyz", "/metrics")
 
 
 @final
@@ -51,6 +57,7 @@ class Observed:
             return
         given = Headers(scope=scope).get("x-request-id", "")
         key = given if GIVEN.fullmatch(given) else uuid.uuid4().hex
+        get_current_span().set_attribute("exogauge.request", key)
         told, begun, status = request_id.set(key), time.perf_counter(), 0
 
         async def noted(message: Message) -> None:
@@ -74,6 +81,6 @@ class Observed:
         route = getattr(scope.get("route"), "path", "none")
         self.measures.requests.labels(method, route, str(status)).inc()
         self.measures.seconds.labels(method, route).observe(seconds)
-        if scope["path"] not in QUIET:
+        if not quiet(scope):
             facts = {"method": method, "path": scope["path"], "status": status, "seconds": round(seconds, 4)}
             log.info("%s %s %d in %.3f s", method, scope["path"], status, seconds, extra={"facts": facts})

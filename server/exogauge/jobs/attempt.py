@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, final
 
+from exogauge import tracing
 from exogauge.errors import Away, Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS, MAX_CRASHES
@@ -98,6 +99,7 @@ class Runner:
         self._progress = 0.0
         self._charged = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
+        self._stage: str | None = None
 
     def idle_s(self) -> float:
         """For how long nothing was computed; 0 while something is."""
@@ -113,7 +115,7 @@ class Runner:
             while (job := until_it_works(partial(self._claim, again))) is not None:
                 again = job.id
                 try:
-                    self._attempt(job)
+                    self._traced_attempt(job)
                 except ComputeChildDied as error:
                     log.warning("job %s: %s", job.id, error)
                     self._note(job, f"{error}\n{error.stderr}", crashed=True)
@@ -156,6 +158,10 @@ class Runner:
         """All that is read and written for a job is its lab's."""
         return self._installation.of_lab(job.lab_id, "worker")
 
+    def _traced_attempt(self, job: JobRecord) -> None:
+        with tracing.of_job(job.kind, {"exogauge.job": job.id, "exogauge.attempt": job.attempts}):
+            self._attempt(job)
+
     def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
         started, folder = time.monotonic(), self._scratch / job.id
@@ -190,7 +196,7 @@ class Runner:
         def wait(pause_s: float, error: Unavailable) -> None:
             self._wait(job, pause_s, error)
 
-        self._progress, self._unsaid = 0.0, None
+        self._progress, self._unsaid, self._stage = 0.0, None, None
         until_it_works(lambda: self._compute(job, folder, out, wait), DISK_PATIENCE_S, wait, LONGEST_DISK_PAUSE_S)
         files = until_it_works(lambda: keep_folder(self._installation.blobs, out), DISK_PATIENCE_S, wait)
 
@@ -235,6 +241,9 @@ class Runner:
         if self._leaving.is_set():
             raise Leaving
         if progress is not None:
+            if stage is not None and stage != self._stage:
+                self._stage = stage
+                tracing.stage(stage)
             self._progress = progress
             self._unsaid = (progress, message or "", stage)
         now = time.monotonic()
@@ -273,6 +282,7 @@ class Runner:
 
     def _fail(self, job: JobRecord, reason: str, trace: str = "", failure: Mapping[str, Any] | None = None) -> None:
         log.info("job %s failed: %s", job.id, reason)
+        tracing.failed(reason)
         self._note(job, f"{reason}\n{trace}")
 
         def write() -> None:

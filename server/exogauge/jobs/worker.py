@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 
+from exogauge import tracing
 from exogauge.jobs.attempt import Runner
 from exogauge.jobs.bell import Bell, listen
 from exogauge.jobs.code_version import code_version, hashed
@@ -35,6 +36,7 @@ def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.
     the program's own files were replaced it begins anew by them, in the same process, before it takes another job.
     """
     environment = dict(os.environ)
+    flush = tracing.send_spans("worker")
     migrate.at_newest_or_raise(migrate.current(settings.database_url))
     installation = open_installation(settings)
     worker_id = new_worker_id()
@@ -81,6 +83,7 @@ def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.
     try:
         runner.leave()
         lease.give_back()
+        flush()
         if new_code.is_set() and settled(told):
             logging.shutdown()
             os.execve(sys.executable, [sys.executable, *sys.orig_argv[1:]], environment)

@@ -79,7 +79,7 @@ def lay_ground(
 ) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones. only: number of the log that candidates must
     begin with, or sit in. at: the only place that is tried."""
-    x, fitted = model.solution.unbounded.x, Sums()
+    fitted = Sums()
     numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
     everywhere = {site: _all_at(model, site, effects, numbers, only) for site in sites(model) if at in (None, site)}
     everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
@@ -97,7 +97,7 @@ def lay_ground(
 
         moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
         kinds = {site: site.kinds(model.equations) for site in sought}
-        left, rows = rows_of(model.equations, prepared, x, {kind for own in kinds.values() for kind in own})
+        left, rows = rows_of(model, prepared, {kind for own in kinds.values() for kind in own})
         for site in sought:  # no two sites' columns are held at once, nor what one has computed to see its own
             sums.take(site, kinds[site], columns_of(everywhere[site], seen.pop(site), prepared, len(kinds[site])), rows)
         time = recording.log.time[prepared.kept] - recording.log.time[0]

@@ -70,11 +70,11 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
 def inverse_of_rest(squares: Array, taken: Array) -> Array:
     """(C, C) inverse of what is left of columns, squares - taken, once all that is fitted beside them is out.
 
-    No direction is known better than by `resolved` of its square: the two are of different passes over the data, and
-    agree no further. What was left of one that is swallowed came out below zero, and its doubt as none. Columns
-    of zeros have none.
+    squares and taken are of the same rows, so what is left is zero at least. No direction is known better than by
+    `resolved` of its square: rounding. What was left of one that is swallowed came out below zero, and its doubt as
+    none. Columns of zeros have none.
     """
-    resolved = 1e-5
+    resolved = 1e-9
     size = np.sqrt(np.diag(squares))
     live = np.flatnonzero(size > 0.0)
     unit = np.outer(size[live], size[live])

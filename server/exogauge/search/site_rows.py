@@ -77,19 +77,20 @@ def collect_rows(
     prepared: Callable[[Log], Prepared] | None = None,
 ) -> Mapping[Site, tuple[SiteRows, ...]]:
     """Site -> its rows in every log that has any. Sites share the rows that they have in common. eyes: the model whose
-    loads its effects see, if it is not the same. prepared: other signals of a log than the model's own."""
+    loads its effects see, if it is not the same. prepared: other signals of a log than the model's own. Rows are those
+    whose curvature the model's solution holds."""
     found: dict[Site, list[SiteRows]] = {site: [] for site in sites}
     if not found:
         return {}
     sites = list(found)  # one that is named twice has its rows once
-    equations, x = model.equations, model.solution.unbounded.x
+    equations, x, x_before = model.equations, model.solution.unbounded.x, model.solution.x_before
     ready = prepared or model.prepare
     needed = {kind for site in sites for kind in site.kinds(model.equations)}
 
     def of_log(recording: Recording) -> list[tuple[Site, SiteRows]]:
         prepared = ready(recording.log)
         parts: dict[int, list[tuple[IntArray, Array, Array]]] = {}
-        for _, chunks in equations.rows(prepared, x):
+        for _, chunks in equations.rows(prepared, x_before):
             for chunk in chunks:
                 if chunk.kind in needed:
                     own = (prepared.kept[chunk.samples], chunk.block[:, :-1].copy(), chunk.residual(x))

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from exogauge.identification.equations import Equations
-from exogauge.identification.model import Site
+from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.rows import RowType
 
@@ -117,15 +116,14 @@ class Sums:
 Rows = Mapping[int, Sequence[tuple[IntArray, Array, Array]]]  # kind -> parts: samples (n,), A (n, k), e (n,) y - A x
 
 
-def rows_of(equations: Equations, prepared: Prepared, x: Array, needed: Set[int]) -> tuple[Mapping[int, Array], Rows]:
-    """Residuals of one log by kind, (n_kept,), NaN where there is no row; and the rows of the kinds that are needed.
-
-    x: (P,).
-    """
+def rows_of(model: RobotModel, prepared: Prepared, needed: Set[int]) -> tuple[Mapping[int, Array], Rows]:
+    """Residuals of one log by kind, (n_kept,), NaN where there is no row; and the rows of the kinds that are needed:
+    those whose curvature the model's solution holds."""
+    equations, x = model.equations, model.solution.unbounded.x
     at_rest = equations.layout.numbers(RowType.AT_REST)
     residuals: dict[int, Array] = {}
     rows: dict[int, list[tuple[IntArray, Array, Array]]] = {}
-    for _, chunks in equations.rows(prepared, x):
+    for _, chunks in equations.rows(prepared, model.solution.x_before):
         for chunk in chunks:
             if chunk.kind in at_rest:
                 continue

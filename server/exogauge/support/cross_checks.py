@@ -49,7 +49,8 @@ def within(
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, bands that lengthen against the same that shorten, their harder
     half of pulls against the softer, bands of a group against each other, what they leave against what there is
-    without. robot: as in `contributions`. sigma: (D,) [N·m] there; std: (W,) stated of each band. What the motions
+    without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it
+    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions
     cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
@@ -71,10 +72,11 @@ def within(
         if np.any(pull > 0.0):
             hard = pull > np.median(pull[pull > 0.0])
             found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
-    excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e) ** 2 - criteria.misfit * sigma**2, 0.0))
+    known = slice(len(sigma))
+    excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
     slopes = seen.setting.offsets.without(seen.fitted.A)
     for place, own in members.items():
-        joint, most = _misfit(seen.setting.weight, slopes[:, :, place], excess)
+        joint, most = _misfit(seen.setting.weight[:, known], slopes[:, known, place], excess)
         doubt = max(float(std[own[0]]), criteria.misfit_matters * float(wear.springs[place]))
         said = ("misfit", bands[own[0]].group, (logs.names[joint], WITHOUT))
         found[place].append(CrossCheck(*said, most, doubt, Z95))  # beyond: an error that its interval does not hold
