@@ -119,7 +119,7 @@ def examine_against_robot(
 
 def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
     """Of which joints nothing can be said, as none of the logs moves them for long enough."""
-    asked = [a for a, joint in enumerate(robot.joints) if joint.actuation != "none"]
+    asked = [a for a, joint in enumerate(robot.joints) if joint.actuation != "none" and expected]
     silent = [a for a in asked if not any(each.tells(a) for each in expected)]
     advice = "nothing was held against the description there: record a motion of it before its numbers are believed"
     for a in silent if len(silent) < len(asked) else ():
@@ -127,7 +127,7 @@ def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
         yield Finding(
             "note", channel, "not_judged", "moves too little for its sign, unit and zero to be judged", advice
         )
-    if len(silent) == len(asked):
+    if asked and len(silent) == len(asked):
         detail = "no joint moves long enough for signs, units, zeros and columns to be judged"
         yield Finding("warning", "q.*", "not_judged", detail, advice.replace("of it ", ""))
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.sites import encoders
 from exogauge.plausibility.axis_fit import Likelihood
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.pooling import pooled
@@ -69,13 +70,9 @@ def _likely(robot: Robot, expected: Sequence[Expected]) -> list[int]:
             b, H = each.fit(axis).slopes(each.effort[:, axis], by_joint[:, axis])
             slope, curve = slope + b, curve + H
     gain = 0.5 * slope**2 / np.maximum(curve, 1e-12)
-    gain[robot.tree.prismatic[[_body(robot, j) for j in range(len(gain))]]] = 0.0
     least = expected[0].seen.criteria.zero * expected[0].seen.criteria.screened
-    return [int(j) for j in np.argsort(-gain, kind="stable") if gain[j] > least]
-
-
-def _body(robot: Robot, joint: int) -> int:
-    return int(np.flatnonzero(robot.tree.dof == joint)[0])
+    own = {site.joint for site in encoders(robot)}  # under a foot's wrench another zero looks like its sensor's error
+    return [int(j) for j in np.argsort(-gain, kind="stable") if gain[j] > least and j in own]
 
 
 def _load_slopes(robot: Robot, expected: Expected) -> Array:
