@@ -15,6 +15,7 @@ from exogauge.blind.run import RESULTS, run
 from exogauge.errors import BadInput
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
+from exogauge.studies.evaluate import evaluate
 from exogauge.studies.intake.open import open_study, read_recordings
 
 CLEAN_SEED = next(seed for seed in range(100) if not plan_case(seed, 1).kinds and not plan_case(seed, 1).clutter)
@@ -47,6 +48,19 @@ def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(
     for fit in held_out:
         assert fit.rmse_moving is not None
         assert fit.rmse_moving < 1.1 * fit.noise_floor, fit
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["band_hardening", "extra_band"])
+def test_what_a_band_lacks_is_named_and_every_step_comes_to_its_end(tmp_path: Path, effect: str) -> None:
+    """On an upper body whose arms, which no band of its wear crosses, move as well."""
+    answer = write_case(tmp_path / "case", 3, 1, "torso8", (effect,))
+    evaluate(tmp_path / "case" / "study.yaml", tmp_path / "out", silent)
+    result = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert {step["status"] for step in result["steps"]} == {"done"}
+    (hidden,) = answer["effects"]
+    found = {(each["effect"], *each["where"].values()) for each in result["discrepancy"]["findings"]}
+    assert (effect, *hidden["where"].values()) in found or not hidden["visible"]
 
 
 @pytest.mark.slow
