@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,7 +16,8 @@ RATE, SAMPLES = 200.0, 6000
 WEIGHT = 39.0 * 9.81
 EXPECTED = Expectation(
     rate_hz=RATE,
-    joints={name: JointLimits(-1.5, 1.5, 6.0) for name in ("hip", "knee", "ankle", "finger")},
+    joints={name: JointLimits(-1.5, 1.5, 6.0) for name in ("hip", "knee", "finger")}
+    | {"ankle": JointLimits(-1.5, 1.5, 6.0, gear=200.0), "wheel": JointLimits()},
     weight_n=WEIGHT,
     contacts={"l_foot": 1.0, "r_foot": 1.0},
     actuation={"hip": "current", "knee": "current", "ankle": "torque", "finger": "current"},
@@ -117,6 +119,15 @@ def in_degrees(channels: Channels) -> None:
     del channels["dq.hip"]
 
 
+def on_the_motors_side(channels: Channels) -> None:
+    channels["q.ankle"] = 200.0 * channels["q.ankle"]
+    del channels["dq.ankle"]
+
+
+def wrap(channels: Channels) -> None:
+    channels["q.wheel"] = (4.0 * np.sin(2 * np.pi * 0.2 * np.arange(SAMPLES) / RATE)) % (2 * np.pi)
+
+
 def velocity_in_degrees(channels: Channels) -> None:
     channels["dq.ankle"] = np.degrees(channels["dq.ankle"])
 
@@ -198,6 +209,8 @@ CASES = [
     ("stored_low_passed", "i.*", store_low_passed),
     ("joint_missing", "tau.ankle", lose),
     ("degrees", "q.hip", in_degrees),
+    ("motor_side", "q.ankle", on_the_motors_side),
+    ("jumps_by_a_turn", "q.wheel", wrap),
     ("beyond_limits", "q.hip", shift_zero),
     ("current_in_milliamperes", "i.hip", milliamperes),
     ("velocity_unlike", "dq.hip", wrong_joint),
@@ -227,6 +240,15 @@ def test_one_fault_fires_its_own_rule_and_no_other(rule, channel, corrupt):
     time, channels = healthy(np.random.default_rng(7))
     corrupt(channels)
     assert doubts(time, channels) == {(rule, channel)}
+
+
+def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_chosen():
+    time, channels = healthy(np.random.default_rng(8))
+    channels["q.hip"] = 60.0 * channels["q.hip"]
+    geared = replace(EXPECTED, joints={"hip": JointLimits(-1.5, 1.5, 6.0, gear=60.0)})
+    (finding,) = (f for f in examine(Log("log", time, channels), geared) if f.channel == "q.hip" and f.row)
+    assert "degrees or the motor's side of a gear of 60" in finding.detail
+    assert "do not tell which" in finding.advice
 
 
 def test_a_velocity_in_degrees_is_told_by_its_scale_and_its_limit():

@@ -184,6 +184,14 @@ def test_a_headerless_file_is_read_by_column_number_from_one(tmp_path: Path) -> 
     assert log.rate_hz == pytest.approx(100.0)
 
 
+def test_a_file_with_names_and_no_rows_is_told_as_that(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("ms,a\n")
+    with pytest.raises(BadLog) as caught:
+        one(path, column("a", "q.a", "rad"), clock=Clock("ms", "ms"), joints=("a",))
+    assert {fault.rule for fault in caught.value.faults} == {"too_few_samples"}
+
+
 def test_nanosecond_stamps_since_1970_keep_their_nanoseconds(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("stamp,x\n" + "".join(f"{1_708_857_503_931_759_123 + 200_001 * k},1\n" for k in range(T)))

@@ -150,6 +150,16 @@ def test_bytes_that_are_no_utf_8_are_named_by_their_row(tmp_path: Path) -> None:
     assert (found.row, found.rule) == (6, "not_utf8")
 
 
+@pytest.mark.parametrize("before", ["# export v2\n# cell 7, two arms\n", "robot;arm\n\ndate: 1.2.2026 10:00\n"])
+def test_lines_before_the_names_of_columns_are_counted_and_refused(tmp_path: Path, before: str) -> None:
+    rows = "".join(f"{k / 10:.1f};{k * k / 7:.3f};{-k}\n".replace(".", ",") for k in range(40))
+    path = put(tmp_path, f"{before}t;q.a;q.b\n{rows}")
+    (fault,) = faults(path)
+    assert fault.rule == "lines_before"
+    assert fault.value == str(before.count("\n"))
+    assert f"skip_lines: {fault.value}" in fault.advice
+
+
 def test_two_decimal_signs_in_one_table_are_refused(tmp_path: Path) -> None:
     assert faults(put(tmp_path, "t;q.a\n0,1;1.5\n"))[0].rule == "two_decimal_signs"
 

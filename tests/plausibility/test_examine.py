@@ -107,6 +107,21 @@ def test_friction_that_is_a_spring_after_every_turn_is_no_slip(robot: Robot, flo
     assert list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(slow)])) == []
 
 
+def test_that_nothing_moves_is_told_and_so_is_a_joint_that_does_not(
+    robot: Robot, logs: list[dict[str, np.ndarray]]
+) -> None:
+    """What cannot be judged is not the same as nothing wrong."""
+    rng = np.random.default_rng(0)
+
+    def at_rest(each: dict[str, np.ndarray], *names: str) -> dict[str, np.ndarray]:
+        return each | {n: each[n][0] + 1e-5 * rng.standard_normal(len(each[n])) for n in names}
+
+    for names, told in ((("q.j1", "q.j2", "q.j3"), ("q.*", "warning")), (("q.j3",), ("i.j3", "note"))):
+        still = [as_log(k, at_rest(each, *names)) for k, each in enumerate(logs)]
+        found = [each for _, each in examine_against_robot(robot, still) if each.rule == "not_judged"]
+        assert {(each.channel, each.severity) for each in found} == {told}
+
+
 def test_joints_at_rest_say_nothing_of_their_signs(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
     rng = np.random.default_rng(0)
     still = [
@@ -138,6 +153,36 @@ def test_what_leaves_a_joint_unlike_its_description_is_told_as_that_or_as_the_ne
     told = [finding for _, finding in found]
     assert told
     assert all(each.rule == "effort_unlike" or each.advice.startswith("look for something else first") for each in told)
+
+
+@pytest.mark.parametrize("other", ["j1", "j3"])
+def test_a_current_of_another_source_is_no_factor(robot: Robot, logs: list[dict[str, np.ndarray]], other: str) -> None:
+    """Bodies that are off by a hundred times explain any column, and so does a factor of a hundred that frees them."""
+    wrong = [each | {"i.j2": each[f"i.{other}"][::-1]} for each in logs]
+    found = [each for _, each in examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(wrong)])]
+    assert {each.channel for each in found} == {"i.j2"}
+    assert {each.rule for each in found} == {"effort_unlike"}
+
+
+def test_a_current_that_lost_its_sign_is_told(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    lost = [each | {"i.j2": np.abs(each["i.j2"])} for each in logs]
+    found = [each for _, each in examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(lost)])]
+    assert {each.channel for each in found} == {"i.j2"}
+    assert "effort_scale" not in {each.rule for each in found}
+
+
+@pytest.mark.parametrize("degrees", [8.0, -15.0, 40.0])
+def test_an_encoder_that_was_zeroed_elsewhere_is_told_with_its_angle(
+    robot: Robot, logs: list[dict[str, np.ndarray]], degrees: float
+) -> None:
+    """Which joint's, is said where the logs tell; otherwise all that explain it as well are."""
+    off = [each | {"q.j2": each["q.j2"] + np.radians(degrees)} for each in logs]
+    found = [each for _, each in examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(off)])]
+    assert {each.rule for each in found} == {"position_offset"}
+    own = [each for each in found if each.channel == "q.j2"]
+    assert own or all("to q.j2" in each.detail for each in found)
+    for each in own:
+        assert np.degrees(each.value or 0.0) == pytest.approx(degrees, abs=2.5)
 
 
 def test_the_doctor_says_first_what_the_robot_contradicts(

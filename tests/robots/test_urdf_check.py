@@ -121,6 +121,13 @@ def test_stock_robots_with_such_inertias_are_read(file, joints):
     assert load_tree(urdf, joints=joints, base_link=root, floating=True).mass > 0.0
 
 
+def test_a_prefix_that_nobody_declares_is_read_over():
+    """As simulators write into published robots; readers of URDF know no namespaces."""
+    urdf = _robot(_link("arm")).replace(b"<robot ", b'<robot drake:declare="1" ', 1)
+    urdf = urdf.replace(b"</robot>", b"<gazebo:plugin file='x'><sdf:a/></gazebo:plugin></robot>")
+    assert read_urdf(urdf).find("link").get("name") == "arm"
+
+
 def test_the_heavy_moment_is_told_with_its_link_value_and_advice():
     with pytest.raises(BadRobot) as caught:
         check_urdf(_robot(_link("thigh", inertia=_spread(0.1, 0.1, 0.3))))

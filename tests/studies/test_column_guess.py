@@ -120,6 +120,7 @@ def test_what_cannot_be_named_gets_advice_and_no_suggestion(name: str, said: str
         ("stamp", 1.7e9, 0.005, "s", True),
         ("Time (ms)", 0.0, 5.0, "ms", True),
         ("ms", 0.0, 5.0, "ms", True),
+        ("sec", 0.0, 0.005, "s", True),
         ("time", 0.0, 0.1, "s", False),
         ("time", 0.0, 100.0, "ms", False),
     ],

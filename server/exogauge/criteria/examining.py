@@ -231,6 +231,16 @@ class Comparing:
         3.0, "samples", "a drive, a bus and a filter are late by as many, and nobody minds", judgement(RULES)
     )
     delay_least_s: float = criterion(0.015, "s", "a shorter delay is not told", judgement(RULES))
+    zero: float = criterion(
+        8.0,
+        "log likelihood",
+        "over the zero as it is, before another is told",
+        measured("recordings as they are: a joint gained 2.7 at most (Z1, joint2)"),
+    )
+    zero_falls: float = criterion(
+        0.9, "1", "of what is unexplained may be left once another zero is undone", judgement(RULES)
+    )
+    zero_step: float = criterion(0.05, "rad", "from one zero that is tried to the next", judgement(RULES))
     mostly: float = criterion(0.3, "1", "of the samples in motion that may be exactly zero", judgement(RULES))
     beyond_effort: float = criterion(
         10.0, "1", "times the URDF's limit: not a limit that was set too low", judgement(RULES)

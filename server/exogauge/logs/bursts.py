@@ -23,11 +23,13 @@ def evened(time: NDArray[Any], unit_s: float = 1.0) -> tuple[NDArray[Any], Note 
 
     Between gaps the clock is even, and a gap stays one.
     """
+    fewest, times = 20, 4  # samples in a window, and how many times the longest burst: it holds a message on time
+    if time.size < 2 * fewest:
+        return time, None
     first = time[0]
     stamps = np.asarray(time - first, np.float64)
     steps = np.diff(stamps)
-    fewest, times = 20, 4  # samples in a window, and how many times the longest burst: it holds a message on time
-    if time.size < 2 * fewest or (not (steps < 1e-9 * np.abs(steps).max()).any() and not _many_tiny(steps)):
+    if not (steps < 1e-9 * np.abs(steps).max()).any() and not _many_tiny(steps):
         return time, None
     period = _period(stamps)
     tiny = steps < LOGS.tiny * period

@@ -20,6 +20,7 @@ RULES: tuple[Rule, ...] = (
     signal_rules.coarse_or_noisy,
     signal_rules.stored_low_passed,
     joint_rules.joint_missing,
+    joint_rules.jumps_by_a_turn,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,
     joint_rules.current_in_milliamperes,

@@ -37,11 +37,14 @@ class Finding:
 @final
 @dataclass(frozen=True)
 class JointLimits:
-    """Of one joint. lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown."""
+    """Of one joint. lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown. gear: motor turns per
+    joint turn. turns: whether it rotates."""
 
     lower: float = -np.inf
     upper: float = np.inf
     velocity: float = np.inf
+    gear: float = 1.0
+    turns: bool = True
 
 
 @final

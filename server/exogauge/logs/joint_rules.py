@@ -15,7 +15,7 @@ from exogauge.criteria.logs import LOGS
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass
-from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, varies
+from exogauge.logs.findings import Expectation, Finding, JointLimits, first_row, joint_channels, varies
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 from exogauge.logs.resampling import is_even
@@ -34,7 +34,7 @@ def joint_missing(log: Log, expected: Expectation) -> Iterator[Finding]:
 
 
 def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """Positions beyond the joint's limits, or 57 times too large: then degrees."""
+    """Positions beyond the joint's limits; or 57 times, or the gear, too large: then degrees, or the motor's."""
     for joint, values in joint_channels(log, "q").items():
         limits = expected.joints.get(joint)
         if limits is None or not np.isfinite(values).any():
@@ -46,16 +46,44 @@ def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
             continue
         row = first_row(outside)
         worst = float(np.nanmax(np.maximum(limits.lower - values, values - limits.upper)))
-        in_degrees = np.radians(values)
-        fits = np.nanmin(in_degrees) >= limits.lower - margin and np.nanmax(in_degrees) <= limits.upper + margin
+        otherwise = {
+            "degrees": np.radians(values) if limits.turns else values,
+            "motor_side": values / max(limits.gear, 1.0),
+        }
+        fits = [
+            rule
+            for rule, each in otherwise.items()
+            if np.nanmin(each) >= limits.lower - margin and np.nanmax(each) <= limits.upper + margin
+        ]
         if fits and np.isfinite(span) and worst > span:
-            detail = f"goes {worst:.3g} rad beyond the joint's limits, but read as degrees it stays within"
-            advice = "declare the unit as deg in the mapping"
-            yield Finding("error", f"q.{joint}", "degrees", detail, advice, row, float(values[row - 1]))
+            read = {"degrees": "degrees", "motor_side": f"the motor's side of a gear of {limits.gear:g}"}
+            say = {"degrees": "declare the unit as deg", "motor_side": "say `side: motor`"}
+            words = " or ".join(read[rule] for rule in fits)
+            detail = f"goes {worst:.3g} rad beyond the joint's limits, but read as {words} it stays within"
+            advice = f"{', or '.join(say[rule] for rule in fits)} in the mapping"
+            advice += ": the limits do not tell which" if len(fits) > 1 else ""
+            yield Finding("error", f"q.{joint}", fits[0], detail, advice, row, float(values[row - 1]))
         else:
             detail = f"goes {worst:.3g} beyond its limits [{limits.lower:.3g}, {limits.upper:.3g}]"
             advice = "check unit, sign and zero of the joint, or the limits of the URDF"
             yield Finding("warning", f"q.{joint}", "beyond_limits", detail, advice, row, float(values[row - 1]))
+
+
+def jumps_by_a_turn(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """An angle that begins anew after a turn: from one sample to the next no joint goes round."""
+    for joint, values in joint_channels(log, "q").items():
+        limits = expected.joints.get(joint, JointLimits())
+        step = np.diff(values)
+        turns = np.round(step / (2.0 * np.pi))
+        usual = float(np.nanmax(np.abs(step[turns == 0.0]), initial=0.0))
+        jumps = (turns != 0.0) & (np.abs(step - 2.0 * np.pi * turns) <= 2.0 * usual)
+        if not limits.turns or not jumps.any() or (turns != 0.0).sum() != jumps.sum() or usual > 0.5 * np.pi:
+            continue
+        row = first_row(jumps) + 1
+        times = "once" if jumps.sum() == 1 else f"{jumps.sum()} times"
+        detail = f"jumps by a full turn {times}, first from {values[row - 2]:.4g} to {values[row - 1]:.4g} rad"
+        advice = "unwrap the angle before it is handed in: positions are filtered and differentiated across the jump"
+        yield Finding("error", f"q.{joint}", "jumps_by_a_turn", detail, advice, row, float(step[row - 2]))
 
 
 def beyond_speed(log: Log, expected: Expectation) -> Iterator[Finding]:

@@ -214,7 +214,7 @@ def _read_file(
         channels |= _convert(rule, filled, kept, file)
     if time is None:
         raise BadLog(Fault("no rule reads this file", "file_not_used", "", file))
-    time = cut(time, left, file) if rows else time
+    time = cut(time, left, file)
     if each.clock.column is not None:
         if np.isfinite(time).all():
             time, note = evened(time, _unit(each.clock.unit).factor)

@@ -11,7 +11,6 @@ import csv
 import gzip
 import io
 import re
-import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, final
@@ -27,10 +26,15 @@ from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_bytes, check_cells, rows_outside
 from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
+from exogauge.logs.text_head import (
+    ARROW_FAILURES,
+    decimal_of,
+    delimiter_of,
+    is_number,
+    refuse_lines_before,
+    refuse_numeric_header,
+)
 
-_ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
-_QUOTED = re.compile(r'"[^"]*"')
-_USUAL_NUMBER = {sign: re.compile(rf"[+-]?[0-9]+({re.escape(sign)}[0-9]+)?([eE][+-]?[0-9]+)?") for sign in ".,"}
 _MISSING = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "-"]
 
 
@@ -66,13 +70,15 @@ class TextTable:
                     row=0,
                 )
             )
-        self._delimiter = layout.delimiter or _delimiter(body[0])
-        self._decimal = layout.decimal or _decimal(body[layout.header :], self._delimiter, file)
+        if layout == TextLayout():
+            refuse_lines_before(lines, file)
+        self._delimiter = layout.delimiter or delimiter_of(body[0])
+        self._decimal = layout.decimal or decimal_of(body[layout.header :], self._delimiter, file)
         cells = [cell.strip() for cell in self._cells(body[0])]
         self._skip_rows = self._skip + int(layout.header)
         self._names = tuple(cells) if layout.header else tuple(str(1 + index) for index in range(len(cells)))
         if layout.header:
-            _refuse_numeric_header(cells, file)
+            refuse_numeric_header(cells, file)
         check_cells(1, len(cells), file)
         self._begin, self._end, self._first = 0, 0, 0  # bytes of the unpacked file; rows before them
         self._rows = self._count_rows()
@@ -89,7 +95,7 @@ class TextTable:
         index = {name: self._names.index(name) for name in names}
         try:
             columns = self._convert(index, [name for name in exact if name in index])
-        except _ARROW_FAILURES as problem:
+        except ARROW_FAILURES as problem:
             faults = self._find_faults(index)
             raise BadLog(faults or broken(problem, self.file)) from None
         except MemoryError:
@@ -100,7 +106,7 @@ class TextTable:
         if exact:
             try:
                 return self._convert_as(index, exact)
-            except _ARROW_FAILURES:
+            except ARROW_FAILURES:
                 pass  # not whole numbers everywhere: read them like the others
         return self._convert_as(index, ())
 
@@ -135,12 +141,12 @@ class TextTable:
                         plain = pc.utf8_trim_whitespace(pc.cast(cells, pa.string()))
                         pc.cast(plain, number)
                         continue
-                    except _ARROW_FAILURES:
+                    except ARROW_FAILURES:
                         faults += self._bad_cells(cells, name, row, LOGS.most_faults - len(faults))
                 row += batch.num_rows
                 if len(faults) + len(ragged) >= LOGS.most_faults:
                     break
-        except _ARROW_FAILURES as problem:
+        except ARROW_FAILURES as problem:
             faults.append(broken(problem, self.file))
         return (faults + ragged)[: LOGS.most_faults]
 
@@ -148,7 +154,7 @@ class TextTable:
         found = 0
         for offset, cell in enumerate(cells.to_pylist()):
             text = cell.decode("utf-8", "replace").strip()
-            if text in _MISSING or _is_number(text, self._decimal):
+            if text in _MISSING or is_number(text, self._decimal):
                 continue
             if found == room:
                 return
@@ -261,7 +267,7 @@ class TextTable:
         self.notes = (Note("last_line_cut_off", f"{self.file}: {detail}", "", None),)
 
     def _is_value(self, cell: str) -> bool:
-        return _is_number(cell.strip(), self._decimal)
+        return is_number(cell.strip(), self._decimal)
 
     def _text(self, data: bytes) -> str:
         """Decoded; in the body a wrong byte becomes a replacement sign, which is then no number."""
@@ -338,58 +344,6 @@ class _Span(io.RawIOBase):
     def close(self) -> None:
         self._source.close()
         super().close()
-
-
-def _delimiter(line: str) -> str:
-    bare = _QUOTED.sub("", line)
-    for mark in (";", "\t", ","):
-        if mark in bare:
-            return mark
-    return " " if re.search(r"\S\s+\S", bare.strip()) else ","
-
-
-def _decimal(lines: Sequence[str], delimiter: str, file: str) -> str:
-    """Decimal sign of a table whose delimiter leaves the comma free."""
-    if delimiter == ",":
-        return "."
-    sample = [cell for line in lines[:200] for cell in line.split(None if delimiter == " " else delimiter)]
-    comma = next((cell for cell in sample if re.fullmatch(r'\s*"?[+-]?\d*,\d+([eE][+-]?\d+)?"?\s*', cell)), None)
-    point = next((cell for cell in sample if re.fullmatch(r'\s*"?[+-]?\d*\.\d+([eE][+-]?\d+)?"?\s*', cell)), None)
-    if comma and point:
-        raise BadLog(
-            Fault(
-                f"numbers are written with a decimal comma ({comma.strip()}) and with a point ({point.strip()})",
-                "two_decimal_signs",
-                "Export with one of them, or give `decimal` in the mapping.",
-                file=file,
-            )
-        )
-    return "," if comma else "."
-
-
-def _refuse_numeric_header(cells: Sequence[str], file: str) -> None:
-    if all(_is_number(cell, ".") for cell in cells):
-        raise BadLog(
-            Fault(
-                "the first line holds numbers, not column names",
-                "no_header",
-                "Add a header line, or read the file through a mapping with `header: false`.",
-                file=file,
-                row=0,
-                value=shorten(", ".join(cells)),
-            )
-        )
-
-
-def _is_number(text: str, decimal: str) -> bool:
-    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits)."""
-    if _USUAL_NUMBER[decimal].fullmatch(text):
-        return True
-    try:
-        pc.cast(pa.scalar(text.replace(decimal, ".") if decimal == "," else text), pa.float64())
-    except _ARROW_FAILURES:
-        return False
-    return True
 
 
 def _number_advice(text: str, decimal: str) -> str:

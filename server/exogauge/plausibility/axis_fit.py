@@ -81,8 +81,14 @@ class AxisFit:
         self._Z = U.T @ (Z / np.where(size > 1e-9, size, np.inf))
         self._L, self._U = U.T @ load[m], U
 
-    def likelihood(self, effort: Array, among: NDArray[np.bool_] = ALL_GAINS) -> Likelihood:
-        """effort: (N,) [N·m]. among: (GAINS,) the factors that are tried; the others have no likelihood."""
+    def likelihood(
+        self, effort: Array, among: NDArray[np.bool_] = ALL_GAINS, *, other_bodies: bool = False
+    ) -> Likelihood:
+        """effort: (N,) [N·m]. among: (GAINS,) the factors that are tried; the others have no likelihood.
+
+        other_bodies: not the effort is so many times what is described, but bodies are so many times further off than
+        stated: y = L + g δ + … explains a column that has nothing to do with L as well as y = g (L + δ) + … does.
+        """
         gains = GAINS[among]
         y = effort[self.moving]
         rms = float(np.sqrt(np.mean(y**2))) + 1e-9
@@ -90,7 +96,7 @@ class AxisFit:
         products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
         shares = [share * rms for share in self._criteria.unmodelled]
         every = [1.0 / (gains[:, None] ** 2 * self._lambda + share**2) for share in shares]  # (G, N) each
-        r = y - gains[:, None] * self._L
+        r = y - (np.ones_like(gains) if other_bodies else gains)[:, None] * self._L
         M = np.concatenate([w @ products for w in every]).reshape(-1, 4, 4)
         M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
         most, coefficients = explained(M, np.concatenate([(w * r) @ Z for w in every]))
@@ -108,6 +114,28 @@ class AxisFit:
         all_logs = np.full(len(GAINS), -np.inf)
         all_logs[among] = self._criteria.independent * logs
         return Likelihood(all_logs, misfit)
+
+    def slopes(self, effort: Array, columns: Array) -> tuple[Array, Array]:
+        """(K,), (K,) first and, negative, second derivative of the log likelihood by how much of each column there is.
+
+        effort: (N,) [N·m]. columns: (N, K). At none of them, with the likeliest factor near one and the likeliest
+        coefficients of friction and inertia.
+        """
+        gain = self.likelihood(effort, AS_DESCRIBED).gain
+        y, Z, D = self._U.T @ effort[self.moving], self._Z, self._U.T @ columns[self.moving]
+        rms, r = float(np.sqrt(np.mean(y**2))) + 1e-9, y - gain * self._L
+        best, slope, curve = -np.inf, np.zeros(D.shape[1]), np.zeros(D.shape[1])
+        for share in self._criteria.unmodelled:
+            w = 1.0 / (gain**2 * self._lambda + (share * rms) ** 2)
+            M = (Z.T * w) @ Z + 1e-12 * np.eye(4)
+            M[3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
+            most, x = explained(M[None], ((w * r) @ Z)[None])
+            found = 0.5 * (float(most[0]) - float(np.sum(w * r**2)) + float(np.sum(np.log(w))))
+            if found > best:
+                shared = (D.T * w) @ Z
+                best, slope = found, (D.T * w) @ (r - Z @ x[0])
+                curve = np.sum(D.T * w * D.T, axis=1) - np.sum(shared * np.linalg.solve(M, shared.T).T, axis=1)
+        return self._criteria.independent * slope, self._criteria.independent * np.maximum(curve, 0.0)
 
 
 def explained(M: Array, b: Array) -> tuple[Array, Array]:

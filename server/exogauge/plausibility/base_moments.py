@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.units import UNITS
-from exogauge.plausibility.delay import summit
 from exogauge.plausibility.snapshot import Snapshot
+from exogauge.plausibility.summit import summit
 from exogauge.robots.description import Robot
 from exogauge.robots.regressor import regressor
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Comparing
 from exogauge.plausibility.axis_fit import AS_DESCRIBED
 from exogauge.plausibility.expectation import Expected, on_axes
-from exogauge.plausibility.search import together
+from exogauge.plausibility.pooling import together
+from exogauge.plausibility.summit import summit
 
 Array = NDArray[np.float64]
 
@@ -142,9 +143,3 @@ def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float, criteria: C
     worst, far = alike[0], abs(seconds) > criteria.delay_far_s
     before, after = float(worst.misfit[at_once]), float(worst.misfit[k])
     return Delay(seconds, tuple(each.axis for each in alike), before, after, far=far)
-
-
-def summit(x: Array, y: Array) -> float:
-    """Of the parabola through three points, the middle one the highest."""
-    a, b, _ = np.polyfit(x - x[1], y, 2)
-    return float(x[1] - (0.5 * b / a if a < 0.0 else 0.0))

@@ -26,8 +26,10 @@ from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
 from exogauge.plausibility.remedies import Remedy
-from exogauge.plausibility.search import Slip, Unlike, find_slips
+from exogauge.plausibility.search import Slip, find_slips
 from exogauge.plausibility.snapshot import Snapshot, take
+from exogauge.plausibility.unlike import Unlike
+from exogauge.plausibility.zeros import Zero, find_zeros
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
@@ -84,28 +86,50 @@ def examine_against_robot(
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, unlike, expected = find_slips(robot, seen)
+    for finding in not_judged(robot, expected):
+        for log in logs:
+            yield log.name, finding
     told = set[tuple[str, str]]()
     slips, delays = _late_and_no_slip(slips, expected)
     for slip in slips:
         names = [log.name for log in logs] if len(slip.logs) == len(seen) else slip.logs
         for name in names:
-            finding = as_finding(robot, slip)
+            finding = as_finding(robot, slip, of_one=len(slip.logs) == 1 < len(seen))
             told.add((name, finding.channel))
             yield name, finding
     by_channel = [(each.seen.log, finding) for each in expected for finding in channel_rules(robot, each)]
     elsewhere = {finding.channel for _, finding in by_channel}
-    for finding in (as_unlike(robot, each) for each in unlike):
-        if finding.channel not in elsewhere:
-            for log in logs:
-                yield log.name, finding
+    for each in unlike:
+        if (finding := as_unlike(robot, each)).channel not in elsewhere:
+            for name in [log.name for log in logs] if len(each.logs) == len(seen) else each.logs:
+                yield name, finding
     if expected and not slips and not delays:  # what is wrong otherwise may look late
         delays = list(find_delays(expected))
     for delay in delays:
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
+    if expected and not slips and not delays and not unlike:
+        for zero in find_zeros(robot, expected):
+            for log in logs:
+                yield log.name, as_zero(robot, zero)
     for name, finding in by_channel:
         if (name, finding.channel) not in told:
             yield name, finding
+
+
+def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
+    """Of which joints nothing can be said, as none of the logs moves them for long enough."""
+    asked = [a for a, joint in enumerate(robot.joints) if joint.actuation != "none" and expected]
+    silent = [a for a in asked if not any(each.tells(a) for each in expected)]
+    advice = "nothing was held against the description there: record a motion of it before its numbers are believed"
+    for a in silent if len(silent) < len(asked) else ():
+        channel = f"{DRIVE[robot.joints[a].actuation]}.{robot.joints[a].name}"
+        yield Finding(
+            "note", channel, "not_judged", "moves too little for its sign, unit and zero to be judged", advice
+        )
+    if asked and len(silent) == len(asked):
+        detail = "no joint moves long enough for signs, units, zeros and columns to be judged"
+        yield Finding("warning", "q.*", "not_judged", detail, advice.replace("of it ", ""))
 
 
 def _late_and_no_slip(slips: Sequence[Slip], expected: Sequence[Expected]) -> tuple[list[Slip], list[Delay]]:
@@ -174,7 +198,24 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
     return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
 
 
-def as_finding(robot: Robot, slip: Slip) -> Finding:
+def as_zero(robot: Robot, zero: Zero) -> Finding:
+    joints = robot.joints
+    also = "".join(f", or {np.degrees(angle):+.0f}° to q.{joints[j].name}" for j, angle in zero.rivals)
+    axis = joints[zero.axis]
+    detail = (
+        f"fits what efforts bear better with {np.degrees(zero.angle):+.0f}° added{also} (of "
+        f"{DRIVE[axis.actuation]}.{axis.name} {100 * zero.before:.1f} % are left unexplained as it is and "
+        f"{100 * zero.after:.1f} % so)"
+    )
+    advice = (
+        "measure the joint's angle in one posture and state the `offset` in a mapping; if it is right, a tool, a cable "
+        "or a spring that nobody described pulls alike: these logs do not tell which"
+    )
+    return Finding("warning", f"q.{joints[zero.joint].name}", "position_offset", detail, advice, value=-zero.angle)
+
+
+def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
+    """of_one: in a single log among several, which a slip of a mapping is not."""
     remedy = slip.remedy
     channels = [channel(robot, remedy, joint) for joint in remedy.joints]
     half = len(channels) // 2  # of two that are exchanged
@@ -189,6 +230,8 @@ def as_finding(robot: Robot, slip: Slip) -> Finding:
         said = f"and {channels[1]} {said}"
     elif half:
         said = f"to {channels[half - 1]} and {channels[half]} to {channels[-1]} {said}"
+    if of_one:
+        advice = f"other logs fit as they are: is this column another recording's? If not, {advice}"
     if not slip.settled:
         advice = (
             f"look for something else first: so much is left that this is only the nearest of what is tried; {advice}"
@@ -198,11 +241,15 @@ def as_finding(robot: Robot, slip: Slip) -> Finding:
 
 def as_unlike(robot: Robot, unlike: Unlike) -> Finding:
     joint = robot.joints[unlike.axis]
-    detail = (
-        f"is unlike what gravity, inertia and friction ask for ({100 * unlike.left:.0f} % are left unexplained), and "
-        "no slip that was tried explains it"
+    left, criteria = f"{100 * unlike.left:.0f} % are left unexplained", Comparing()
+    said = f"is unlike what gravity, inertia and friction ask for ({left})"
+    if unlike.left <= criteria.unlike:
+        said = f"asks for bodies that are off by far more than stated ({left})"
+    detail = f"{said}, and no slip that was tried explains it"
+    advice = (
+        "look at the columns of both: are they another joint's, another recording's, or lost their sign? Does it carry "
+        "what nobody described? Where several joints are so, one position that moves them all is likelier wrong"
     )
-    advice = "look at the columns of both: are they another joint's, another recording's, or lost their sign?"
     return Finding(
         "warning", f"{DRIVE[joint.actuation]}.{joint.name}", "effort_unlike", detail, advice, value=unlike.left
     )

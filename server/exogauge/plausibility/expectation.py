@@ -79,6 +79,10 @@ class Expected:
         other.moving, other._fits, other._known = moving, {}, {}
         return other
 
+    def with_other_bodies(self, axis: int, sign: float) -> Likelihood:
+        """By how many times further off than stated its bodies are, in place of a factor of the effort."""
+        return self.fit(axis).likelihood(sign * self.effort[:, axis], other_bodies=True)
+
     def with_effort(self, seen: Snapshot) -> Expected:
         """The same motion with the efforts of `seen`."""
         other = copy(self)

@@ -50,7 +50,7 @@ def misread_positions(robot: Robot, joint: int) -> Sequence[Remedy]:
     factors = (np.pi / 180.0, 180.0 / np.pi, *((gear, 1.0 / gear) if gear > 1.5 else ()))
     return [
         *(Remedy("position_scale", "position", (joint,), _scaled(joint, each), 3.0, 1.0 / each) for each in factors),
-        *(Remedy("position_offset", "position", (joint,), _shifted(joint, each), 5.0, -each) for each in ZEROS),
+        *(Remedy("position_offset", "position", (joint,), shifted(joint, each), 5.0, -each) for each in ZEROS),
     ]
 
 
@@ -127,7 +127,9 @@ def _scaled(joint: int, factor: float) -> Callable[[Snapshot], Snapshot]:
     return undo
 
 
-def _shifted(joint: int, angle: float) -> Callable[[Snapshot], Snapshot]:
+def shifted(joint: int, angle: float) -> Callable[[Snapshot], Snapshot]:
+    """Its position is `angle` [rad] more than was read."""
+
     def undo(seen: Snapshot) -> Snapshot:
         q = seen.q.copy()
         q[:, joint] += angle

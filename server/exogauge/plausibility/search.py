@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from itertools import combinations, dropwhile
 from typing import final
 
@@ -12,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Comparing
-from exogauge.plausibility.axis_fit import GAINS, Likelihood
 from exogauge.plausibility.expectation import Expected
+from exogauge.plausibility.pooling import pooled, together
 from exogauge.plausibility.remedies import (
     Remedy,
     alike_limbs,
@@ -21,9 +20,12 @@ from exogauge.plausibility.remedies import (
     misread_positions,
     reversals,
     scaled_effort,
+    shifted,
 )
 from exogauge.plausibility.screening import Screen
 from exogauge.plausibility.snapshot import Snapshot
+from exogauge.plausibility.summit import climb
+from exogauge.plausibility.unlike import Unlike, unlike_axes
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
 
@@ -49,15 +51,6 @@ class Slip:
     settled: bool = True
 
 
-@final
-@dataclass(frozen=True)
-class Unlike:
-    """An axis that does not bear what is described, whatever is tried. left: share of its effort."""
-
-    axis: int
-    left: float
-
-
 def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Unlike], list[Expected]]:
     """What is wrong in all of the logs, the slip that explains most first; then, with it undone, in single ones.
 
@@ -80,11 +73,18 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
             slips.append(replace(best, logs=tuple(seen[k].log for k in logs)))
             now = {k: Expected(robot, best.remedy.undo(state.expected[k].seen)) for k in logs}
             state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
-    touched = {joint for slip in slips for joint in slip.remedy.joints}
-    left = [Unlike(axis, pooled(state.expected, axis).misfit) for axis in state.axes() if axis not in touched]
+    slips = [replace(each, settled=each in first or state.explains(each)) for each in slips]
+    said = [each for each in slips if each.settled or state.halves(each, as_read)]
+    touched = {(joint, log) for slip in said for joint in slip.remedy.joints for log in slip.logs}
     sought = len(slips) < criteria.most_slips  # else there is more to find
-    unlike = [each for each in left if sought and each.left > criteria.unlike]
-    return [replace(each, settled=each in first or state.explains(each)) for each in slips], unlike, as_read
+    mended = state.expected if said == slips else [Expected(robot, _mended(each, said)) for each in seen]
+    return said, [*unlike_axes(mended, touched)] if sought else [], as_read
+
+
+def _mended(seen: Snapshot, slips: Sequence[Slip]) -> Snapshot:
+    for slip in slips:
+        seen = slip.remedy.undo(seen) if seen.log in slip.logs else seen
+    return seen
 
 
 def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
@@ -141,7 +141,19 @@ class _State:
         remedy, evidence = tried[0]
         axis = remedy.joints[0]
         left = pooled(self.expected, axis).misfit, pooled(self.undone(remedy), axis).misfit
-        return Slip(remedy, evidence, *left, self.as_good(remedy, tried))
+        return Slip(self.sharpened(remedy), evidence, *left, self.as_good(remedy, tried))
+
+    def sharpened(self, remedy: Remedy) -> Remedy:
+        """Of a zero that was tried in wide steps, the angle itself."""
+        if remedy.rule != "position_offset" or remedy.value is None:
+            return remedy
+        (joint,) = remedy.joints
+
+        def at(angle: float) -> Remedy:
+            return replace(remedy, undo=shifted(joint, angle), value=-angle)
+
+        _, angle = climb(lambda angle: self.gain(at(angle)), -remedy.value, self.criteria.zero_step)
+        return at(angle)
 
     def undone(self, remedy: Remedy) -> list[Expected]:
         """The logs with a remedy; kept for the next question about the same."""
@@ -186,6 +198,18 @@ class _State:
         part = _State(self.robot, [self.expected[k] for k in logs])
         return not any(part.in_doubt(axis) for axis in slip.remedy.joints if axis in part.axes())
 
+    def halves(self, slip: Slip, as_read: Sequence[Expected]) -> bool:
+        """Whether what is left of its joints' efforts, in its logs, falls by half at one of them: else it was of no
+        use, and what it undoes is no name for what is wrong.
+        """
+        logs = [k for k, each in enumerate(self.seen) if each.log in slip.logs]
+        before, after = ([every[k] for k in logs] for every in (as_read, self.expected))
+        axes = [a for a in slip.remedy.joints if any(each.tells(a) for each in (*before, *after))]
+        return any(
+            pooled(after, a, near=True).misfit <= self.criteria.halved * pooled(before, a, near=True).misfit
+            for a in axes
+        )
+
     def axes(self) -> list[int]:
         return [a for a in range(len(self.robot.joints)) if any(each.tells(a) for each in self.expected)]
 
@@ -212,9 +236,16 @@ class _State:
         for joint in doubted:
             for sign in (1.0, -1.0) if self._every and len(self._coupled[joint]) == 1 else ():
                 beyond = pooled(self.expected, joint, sign)
-                if beyond.any > beyond.described:
+                if beyond.any > beyond.described and self.over_other_bodies(joint, sign) > 0.0:
                     found.append(scaled_effort(joint, sign * beyond.gain))
         return found
+
+    def over_other_bodies(self, joint: int, sign: float) -> float:
+        """Log likelihood of a factor of an effort over bodies that are off by as much: these are as free as a factor
+        leaves them, and explain what has nothing to do with the joint.
+        """
+        telling = [each.with_other_bodies(joint, sign) for each in self.expected if each.tells(joint)]
+        return pooled(self.expected, joint, sign).any - together(telling, self.criteria.as_good_as).any
 
     def rare_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
         """Of all joints whose position moves the load of one in doubt: what is wrong there may show elsewhere alone.
@@ -270,23 +301,15 @@ class _State:
         return sorted(telling & set().union(*(self._related[joint] for joint in remedy.joints)))
 
 
-def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, *, near: bool = False) -> Likelihood:
-    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort. near: to one."""
-    telling = [one.likelihood(axis, sign, near=near) for one in expected if one.tells(axis)]
-    return together(telling, expected[0].seen.criteria.as_good_as)
-
-
-def together(each: Sequence[Likelihood], as_good_as: float) -> Likelihood:
-    """One factor for all logs. What a description lacks it lacks in every log: ten of them count as `as_good_as`."""
-    logs = reduce(np.add, (one.logs for one in each), np.zeros(len(GAINS)))
-    share = min(1.0, as_good_as / max(1, len(each)))
-    return Likelihood(share * logs, max((one.misfit for one in each), default=0.0))
-
-
 def _coupled(robot: Robot) -> list[set[int]]:
     """Joint -> axes that its position or its torque belongs to."""
     C = robot.axes_from_joints
     return [{int(a) for a in np.flatnonzero((C[:, j] != 0.0) | (C[j] != 0.0))} for j in range(len(C))]
+
+
+def touched_by(robot: Robot, joint: int) -> list[int]:
+    """Axes whose load its position changes."""
+    return sorted(_related(robot)[joint])
 
 
 def _related(robot: Robot) -> list[set[int]]:

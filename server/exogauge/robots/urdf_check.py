@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element, ParseError
+from xml.parsers import expat
 
 import defusedxml.ElementTree
 import numpy as np
@@ -24,6 +25,7 @@ INERTIA_TOLERANCE = 1e-6  # of the trace: what rounding to six digits may cost
 SLIGHT = (
     1e-5  # kg·m²: below, an inertia matters to no motion of a joint (a gram at 10 cm), and how far it misses does not
 )
+UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
 ROUNDED = 1e-12  # kg·m²: less than that is a zero that was computed
 
 JOINT_TYPES = frozenset({"revolute", "continuous", "prismatic", "fixed", "floating", "planar"})
@@ -84,7 +86,7 @@ def _parse(urdf: bytes, file: str) -> Element:
     if len(urdf) > MAX_BYTES:
         raise refuse(f"{len(urdf)} bytes, at most {MAX_BYTES} are accepted", "urdf_too_large", "Leave meshes out")
     try:
-        robot = defusedxml.ElementTree.fromstring(urdf, forbid_dtd=True)
+        robot = _read(urdf)
     except DefusedXmlException:
         raise refuse("holds a DOCTYPE or an entity", "xml_doctype", "Remove it: a URDF needs none") from None
     except (ParseError, ValueError, LookupError) as error:
@@ -94,6 +96,21 @@ def _parse(urdf: bytes, file: str) -> Element:
     if robot.find("link") is None:
         raise refuse("holds no <link>", "no_links", "Expand a xacro first")
     return robot
+
+
+def _read(urdf: bytes) -> Element:
+    """Prefixes that a file does not declare (`drake:`, `gazebo:`) are declared: readers of URDF know no namespaces."""
+    try:
+        return defusedxml.ElementTree.fromstring(urdf, forbid_dtd=True)
+    except ParseError as error:
+        if error.code != UNBOUND_PREFIX:
+            raise
+    declared = set(re.findall(rb"xmlns:([\w.-]+)\s*=", urdf))
+    used = set(re.findall(rb"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*[\s=>/]", urdf))
+    words = b"".join(b' xmlns:%b="%b"' % (each, each) for each in sorted(used - declared - {b"xml", b"xmlns"}))
+    return defusedxml.ElementTree.fromstring(
+        re.sub(rb"<robot(?=[\s>])", b"<robot" + words, urdf, count=1), forbid_dtd=True
+    )
 
 
 def _name_faults(kind: str, elements: list[Element], file: str) -> Iterator[Fault]:

@@ -92,7 +92,8 @@ def words_of(name: str) -> Words:
     if unit is None and squared and (found := known_unit(squared.group(1))):  # `_mps2`, no word and a number
         bare, unit = bare[: squared.start()], found
     tokens = tokens_of(bare)
-    if unit is None and len(tokens) == 1 and SPELLED.get(tokens[0], tokens[0]) in ("ms", "us", "ns"):
+    alone = SPELLED.get(tokens[0], tokens[0] if tokens[0] != "s" else "") if len(tokens) == 1 else ""
+    if unit is None and alone in ("s", "ms", "us", "ns"):  # `sec`; a letter alone may be anything
         return Words(("time",), known_unit(tokens[0]))
     if unit is None and len(tokens) > 2 and tokens[-2:] in (("deg", "s"), ("rad", "s"), ("m", "s")):
         tokens, unit = tokens[:-2], known_unit("/".join(tokens[-2:]))

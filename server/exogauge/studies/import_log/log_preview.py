@@ -53,7 +53,7 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
 
     A column has name, dtype, shape, min, max, missing, samples (its first rows), suggestion and advice. Raises BadLog.
     """
-    table, header = _opened(path, file, layout)
+    table, layout = _opened(path, file, layout)
     names = read_names(table)
     values, texts = _values(table, names)
     flat = {name: each for name, each in values.items() if np.squeeze(each).ndim <= 1}
@@ -68,10 +68,10 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
     return {
         "file": file,
         "rows": max((each.shape[0] for each in flat.values()), default=0),
-        "header": header,
+        "header": layout.header,
         "columns": columns,
-        "mapping": proposal(file, sure, header),
-        "proposal": proposal(file, every, header),
+        "mapping": proposal(file, sure, layout),
+        "proposal": proposal(file, every, layout),
     }
 
 
@@ -132,16 +132,19 @@ def wearer(robot: Robot | None) -> Wearer:
     return Wearer(joints, tuple(sensor.name for sensor in robot.sensors))
 
 
-def _opened(path: Path, file: str, layout: TextLayout | None) -> tuple[Table, bool]:
-    """The table, and whether it names its columns; a table of bare numbers has them counted."""
-    if layout is not None:
-        return open_table(path, file, layout), layout.header
+def _opened(path: Path, file: str, layout: TextLayout | None) -> tuple[Table, TextLayout]:
+    """The table, and how it lies in the file: a table of bare numbers has its columns counted, what stands before the
+    names is skipped."""
+    layout = layout or TextLayout()
     try:
-        return open_table(path, file), True
+        return open_table(path, file, layout), layout
     except BadLog as bad:
-        if [fault.rule for fault in bad.faults] != ["no_header"] or bad.faults[0].value is None:
+        (fault, *others) = bad.faults
+        if others or layout != TextLayout() or fault.value is None or fault.rule not in ("no_header", "lines_before"):
             raise
-        return open_table(path, file, replace(TextLayout(), header=False)), False
+        before = fault.rule == "lines_before"
+        layout = replace(layout, skip_lines=int(fault.value)) if before else replace(layout, header=False)
+        return open_table(path, file, layout), layout
 
 
 def _values(table: Table, names: Sequence[str]) -> tuple[dict[str, RawArray], dict[str, Fault]]:
@@ -248,23 +251,25 @@ def _open(look: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def proposal(file: str, found: Mapping[str, Suggestion], header: bool = True) -> dict[str, Any]:
+def proposal(file: str, found: Mapping[str, Suggestion], layout: TextLayout | None = None) -> dict[str, Any]:
     """The mapping of these columns and no others: what it leaves open, its reader refuses.
 
     The three of an IMU and the six of a sensor become one entry, which may be turned; fewer stay columns. Topics of a
     bag have a clock each, and so a part of the mapping each.
     """
+    layout = layout or TextLayout()
     stamps = [name.removesuffix("stamp") for name, each in found.items() if each.channel == "t"]
     if len(stamps) > 1:
         topics = [{name: each for name, each in found.items() if name.startswith(stamp)} for stamp in stamps]
-        return {"version": 1, "files": [_entry_of(file, topic, header) for topic in topics if len(topic) > 1]}
-    return {"version": 1, "files": [_entry_of(file, found, header)]}
+        return {"version": 1, "files": [_entry_of(file, topic, layout) for topic in topics if len(topic) > 1]}
+    return {"version": 1, "files": [_entry_of(file, found, layout)]}
 
 
-def _entry_of(file: str, found: Mapping[str, Suggestion], header: bool) -> dict[str, Any]:
+def _entry_of(file: str, found: Mapping[str, Suggestion], layout: TextLayout) -> dict[str, Any]:
     entry: dict[str, Any] = {"file": file}
-    if not header:
-        entry["layout"] = {"header": False}
+    if layout != TextLayout():
+        usual = vars(TextLayout())
+        entry["layout"] = {key: value for key, value in vars(layout).items() if value != usual[key]}
     left = dict(found)
     time = next((name for name, each in found.items() if each.channel == "t"), None)
     if time is not None:

@@ -85,7 +85,7 @@ def in_degrees(robot: Robot, logs: Sequence[Log], files: Mapping[str, str]) -> l
     expected, found = expectation(robot), dict[str, Fault]()
     for log in logs:
         for each in beyond_limits(log, expected):
-            if each.rule == "degrees" and each.channel not in found:
+            if each.rule in ("degrees", "motor_side") and each.channel not in found:
                 found[each.channel] = Fault(
                     each.detail, each.rule, each.advice, files[log.name], each.row, each.channel, f"{each.value:.4g}"
                 )
@@ -141,8 +141,13 @@ def expectation(robot: Robot) -> Expectation:
     tree = robot.tree
     contacts = {sensor.name: sensor.sign for sensor in robot.sensors if sensor.role == "contact"}
     limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
+    gears = {joint.name: abs(joint.gear_ratio or 1.0) for joint in robot.joints}
+    slides = {tree.joints[dof] for dof in tree.dof[tree.prismatic & (tree.dof >= 0)]}
     return Expectation(
-        joints={name: JointLimits(lower, upper, velocity) for name, lower, upper, velocity in limits},
+        joints={
+            name: JointLimits(lower, upper, velocity, gears.get(name, 1.0), name not in slides)
+            for name, lower, upper, velocity in limits
+        },
         weight_n=tree.mass * STANDARD_GRAVITY if tree.floating and contacts else None,
         contacts=contacts if tree.floating else {},
         actuation={joint.name: joint.actuation for joint in robot.joints},
