@@ -13,7 +13,7 @@ from exogauge.findings.verdict import Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.sites import AxisSite
 from exogauge.search.state import Step
-from exogauge.search.taken_out import without_what_is_not_needed
+from exogauge.search.taken_out import identified_again, without_what_is_not_needed
 
 pytestmark = pytest.mark.slow
 
@@ -35,10 +35,12 @@ def test_several_that_later_ones_make_needless_are_all_taken_back(named):
     (true,) = named.steps
     needless = [AddedEffect(shaped_effects()["joint_spring"], AxisSite(axis), (0.0,)) for axis in (0, 2)]
     guesses = [
-        Step(added, replace(true.finding, effect="joint_spring", place=Place("joint", name)), true.found, true.gone)
+        Step(
+            added, replace(true.finding, effect="joint_spring", place=Place("joint", name)), true.identified, true.gone
+        )
         for added, name in zip(needless, ("j1", "j3"), strict=True)
     ]
-    true_again = replace(true, found=named.identified([*needless, true.added]))
+    true_again = replace(true, identified=named.when_asked([*needless, true.added]))
     named = without_what_is_not_needed(replace(named, steps=(*guesses, true_again)))
     assert [each.added for each in named.steps] == [true.added]
     assert [each.finding.rank for each in named.steps] == [1]
@@ -49,6 +51,25 @@ def test_several_that_later_ones_make_needless_are_all_taken_back(named):
 def test_what_is_needed_stays(named):
     before = list(named.steps)
     other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
-    second = replace(before[0], added=other, found=named.identified([before[0].added, other]))
+    second = replace(before[0], added=other, identified=named.when_asked([before[0].added, other]))
     named = without_what_is_not_needed(replace(named, steps=(*before, second)))
     assert [each.added for each in named.steps] == [before[0].added, other]
+
+
+def test_a_chain_gone_through_again_costs_no_identification_that_nobody_asks_for(named):
+    (true,) = named.steps
+    other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
+    first, last = identified_again(named, [true, replace(true, added=other)]).steps
+    assert np.array_equal(last.found.phi, named.identified([true.added, other]).phi)
+    assert [each.identified.cache_info().currsize for each in (first, last)] == [0, 1]
+    assert np.array_equal(first.found.phi, true.found.phi)
+
+
+def test_what_is_taken_out_of_a_round_leaves_its_model_too(named):
+    (true,) = named.steps
+    other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
+    both = named.when_asked([true.added, other])
+    needless = replace(true, added=other, identified=both, beside=True)
+    named = without_what_is_not_needed(replace(named, steps=(replace(true, identified=both), needless)))
+    assert [each.added for each in named.steps] == [true.added]
+    assert named.current.model.extension.effects == (true.added,)

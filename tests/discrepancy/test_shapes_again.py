@@ -34,7 +34,7 @@ def at_shape(search: Search, shape: tuple[float, ...]) -> Search:
     """The same steps, the only one's shape replaced."""
     (step,) = search.steps
     added = replace(step.added, shape=shape)
-    return replace(search, steps=(replace(step, added=added, found=search.identified([added])),))
+    return replace(search, steps=(replace(step, added=added, identified=search.when_asked([added])),))
 
 
 def test_a_shape_that_is_off_is_put_right_and_told(named):

@@ -60,10 +60,7 @@ def missing_effects(so_far: SoFar) -> SoFar:
 
 def _told(search: Search, current: Identification, with_bends: bool, notes: tuple[Caveat, ...]) -> Searched:
     """current: the last model, which the last ground lacks bends of."""
-    problem, first, last = search.problem, search.first, search.last
-    assert first is not None
-    assert last is not None
-    equations, left = problem.base.model.equations, last.residuals
+    problem, equations, left = search.problem, search.problem.base.model.equations, search.last
     if with_bends:
         left = lay_ground(current.model, problem.recordings, (), unwatched).residuals
     undecided = {(each.finding.effect, each.finding.place): each.undecided for each in search.steps if each.undecided}
@@ -71,7 +68,7 @@ def _told(search: Search, current: Identification, with_bends: bool, notes: tupl
     declared = within_declared(current.model, problem.recordings, above)
     return Searched(
         recordings=tuple(problem.recordings),
-        before=located(equations, problem.base, first.residuals),
+        before=located(equations, problem.base, search.first),
         after=tuple(each for each in above if each not in declared.channels),
         declared=declared,
         seen=seen(equations, current),
@@ -107,7 +104,7 @@ def _as_told(search: Search) -> tuple[Search, list[Bend], list[Finding]]:
         without = without_partial_names(search, bends[-1].found if bends else search.current, findings)
         if without is not None:
             search, ground = without.screened(without.current)
-            search = replace(search, last=ground)
+            search = search.on(ground)
             continue
         objections = (refused(each, judging) for each in findings)
         poor = next(((number, why) for number, why in enumerate(objections) if why), None)

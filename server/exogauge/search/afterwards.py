@@ -34,10 +34,11 @@ from exogauge.search.state import Search
 def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
     """What it finds once a log that differs from all others is fitted, and notes; or the same search."""
     problem = search.problem
+    settings = replace(problem.settings, cutoff_hz=problem.base.cutoff_hz)  # filtered as without it
     for recording in odd_logs(search):
         joined = [replace(each, held_out=False) if each is recording else each for each in problem.recordings]
         number = problem.base.model.order.get(recording.log.name, -1)
-        base = identify(problem.base.model.robot, joined, problem.settings)
+        base = identify(problem.base.model.robot, joined, settings)
         with_it = replace(problem, base=base, recordings=joined, only=number)
         again = resumed(replace(search, problem=with_it), search.steps)
         if len(again.steps) > len(search.steps):
@@ -85,13 +86,13 @@ def _with_better_shape(search: Search, number: int) -> Search | None:
     criteria = problem.settings.criteria.search
     now, floor = _left(step.finding, search.current)
     chosen = all(one.choice for one in step.added.effect.shapes)
-    if search.last is None or now < criteria.shapes_above * floor or chosen:
+    if not search.last or now < criteria.shapes_above * floor or chosen:
         return None
     eyes, site = search.current, step.added.site
     seeing = replace(search, eyes=eyes)
     without = seeing.identified(others)
     rows = collect_rows(without.model, problem.recordings, [site], eyes.model)[site]
-    best = _best(Baseline(without.model, search.last.baseline.memory), step.added, rows)
+    best = _best(Baseline(without.model, search.memory), step.added, rows)
     if best is None:
         return None
     added = as_added(best.candidate)
@@ -101,7 +102,7 @@ def _with_better_shape(search: Search, number: int) -> Search | None:
         return None
     finding = replace(step.finding.refined_by("shape", left), parameters=parameters(without.model, best, rows))
     steps = [*search.steps[:number], replace(step, added=added, finding=finding), *search.steps[number + 1 :]]
-    return replace(seeing, steps=(*steps[:-1], replace(steps[-1], found=found)))
+    return replace(seeing, steps=(*steps[:-1], replace(steps[-1], identified=lambda: found)))
 
 
 def _best(baseline: Baseline, added: AddedEffect, rows: Sequence[SiteRows]) -> Score | None:

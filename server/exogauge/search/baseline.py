@@ -53,14 +53,11 @@ class LogResiduals:
 @final
 @dataclass(frozen=True)
 class Ground:
-    """candidates: site -> those that any fitted log holds what they need for. summed: those, and all others that the
-    model has not; fitted: sums of their columns, in order. scores: of every candidate that the baseline does not
-    swallow, best first."""
+    """candidates: site -> those that any fitted log holds what they need for. scores: of every candidate that the
+    baseline does not swallow, best first."""
 
     baseline: Baseline
     candidates: Mapping[Site, Sequence[Candidate]]
-    summed: Mapping[Site, Sequence[Candidate]]
-    fitted: Sums
     residuals: tuple[LogResiduals, ...]
     scores: tuple[Score, ...]
 
@@ -125,7 +122,7 @@ def lay_ground(
         if each.gain > 0.0 and each.candidate.effect.name in shown[site]
     ]
     ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
-    return Ground(baseline, tried, everywhere, fitted, tuple(residuals), ranked)
+    return Ground(baseline, tried, tuple(residuals), ranked)
 
 
 def _all_at(

@@ -172,13 +172,13 @@ def own_curves(search: Search) -> list[Bend]:
 def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | None, Sequence[SiteRows]]:
     """The best bend, the term that explains most first, or None; and the rows of its site."""
     effect, site, shape = step.added.effect, step.added.site, step.added.shape
-    if not _has_curves(site) or search.last is None:
+    if not _has_curves(site) or not search.last:
         return None, ()
     least = search.problem.settings.criteria.judging.worth_judging
     recordings = search.problem.recordings
     rows = collect_rows(found.model, [each for each in recordings if not each.held_out], [site])[site]
     sizes = _sizes(step.added, rows)
-    baseline = Baseline(found.model, search.last.baseline.memory)
+    baseline = Baseline(found.model, search.memory)
     best: Score | None = None
     chosen: tuple[int, ...] = ()
     while True:

@@ -50,10 +50,8 @@ def resumed(search: Search, steps: Sequence[Step]) -> Search:
 def _forward(search: Search) -> Search:
     ground: Ground | None
     search, ground = search.screened(search.current)
-    search = replace(search, first=search.first or ground)
     while ground is not None:
-        search = replace(search, last=ground)
-        search, ground = with_the_best(search, ground)
+        search, ground = with_the_best(search.on(ground), ground)
     return search
 
 
@@ -90,20 +88,29 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
         told = {each.score.candidate.key: tell(ground.model, each, judged, rows) for each in (winner, *beside)}
         rows = {}
         give_back()  # what the rows held, which the next ground needs
-        together = [winner, *beside]
-        while together:
-            problem.tell(0.0, Doing.ADDING_EFFECT, winner.score.candidate.effect.name)
-            found = search.identified([*search.added, *(as_added(each.score.candidate) for each in together)])
-            begun = search
-            search, following = search.screened(found)
-            after, refused = _named(search, ground, following, together, told, found)
-            if not refused:
-                return after, following
-            search = replace(begun, tried=search.tried, rounds=search.rounds)
-            for each, why in refused:
-                search = search.having_failed(each.score.candidate.key, rejection(ground.model, each, why))
-            left = [each for each in together if each.score.candidate.key not in search.failed]
-            together = left if winner in left else []
+        search, following = _with_a_round(search, ground, [winner, *beside], told)
+        if following is not None:
+            return search, following
+    return search, None
+
+
+def _with_a_round(
+    search: Search, ground: Ground, together: Sequence[Judgement], told: Mapping[Key, Told]
+) -> tuple[Search, Ground | None]:
+    """The search with those of a round that hold in the model with one another, and the next ground; None where the
+    first does not hold."""
+    winner = together[0]
+    while together and together[0] is winner:
+        search.problem.tell(0.0, Doing.ADDING_EFFECT, winner.score.candidate.effect.name)
+        found = search.identified([*search.added, *(as_added(each.score.candidate) for each in together)])
+        after, following = search.screened(found)
+        after, refused = _named(after, ground, following, together, told, found)
+        if not refused:
+            return after, following
+        search = replace(search, tried=after.tried, rounds=after.rounds)
+        for each, why in refused:
+            search = search.having_failed(each.score.candidate.key, rejection(ground.model, each, why))
+        together = [each for each in together if each.score.candidate.key not in search.failed]
     return search, None
 
 
@@ -158,7 +165,8 @@ def _named(
         if why:
             refused.append((each, why))
         else:
-            step = Step(as_added(candidate), finding, found, size, of_it.undecided, beside=each is not together[0])
+            beside = each is not together[0]
+            step = Step(as_added(candidate), finding, lambda: found, size, of_it.undecided, beside)
             search = replace(search, steps=(*search.steps, step))
     return search, refused
 

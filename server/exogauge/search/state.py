@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from typing import final
 
+from exogauge.criteria.searching import Searching
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
 from exogauge.findings.result import Alternative, Finding
 from exogauge.identification.identify import identify, seen_by_effects
@@ -17,7 +19,7 @@ from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.resident import give_back
 from exogauge.search.ambiguity import Undecided
-from exogauge.search.baseline import Ground, lay_ground
+from exogauge.search.baseline import Ground, LogResiduals, lay_ground
 from exogauge.search.creeping import Creeping
 from exogauge.search.declared import explained
 
@@ -31,14 +33,22 @@ Key = tuple[str, Site]
 class Step:
     """One effect that was added: as it is in the model, as it is told, and the model with it. gone: RMS that it takes
     off the held-out error, low-passed [N·m or N]. undecided: what tells it from what it may be, too. beside: whether it
-    was added with the one before it, in one round: then the model is that with all of the round."""
+    was added with the one before it, in one round: then the model is that with all of the round.
+
+    identified: gives that model, the same whenever it is asked. Of a chain that is gone through again only the last may
+    ever be asked for, and each takes as long as the whole robot.
+    """
 
     added: AddedEffect
     finding: Finding
-    found: Identification
+    identified: Callable[[], Identification]
     gone: float
     undecided: Undecided | None = None
     beside: bool = False
+
+    @property
+    def found(self) -> Identification:
+        return self.identified()
 
 
 def rounds_of(steps: Sequence[Step]) -> list[list[Step]]:
@@ -71,18 +81,20 @@ class Problem:
 @dataclass(frozen=True)
 class Search:
     """steps: what was added, in order. failed: what was added and taken back. rejected: what the last round judged and
-    did not claim. first, last: grounds. tried: candidates. rounds: grounds laid. eyes: the model whose loads effects
-    see; None: the base, and then what comes of it. creeping: joints that were found to creep; then the search has
-    stopped, as it has to begin anew without these rows. declared: of logs that were asked, channels that stand above
-    their noise, and whether declared uncertainties explain all of that.
+    did not claim. first, last: what the first and the last ground have left; memory: of the latter's `Baseline`. tried:
+    candidates. rounds: grounds laid. eyes: the model whose loads effects see; None: the base, and then what comes of
+    it. creeping: joints that were found to creep; then the search has stopped, as it has to begin anew without these
+    rows. declared: of logs that were asked, channels that stand above their noise, and whether declared uncertainties
+    explain all of that.
     """
 
     problem: Problem
     steps: tuple[Step, ...] = ()
     failed: Mapping[Key, Alternative] = field(default_factory=dict)
     rejected: tuple[Alternative, ...] = ()
-    first: Ground | None = None
-    last: Ground | None = None
+    first: tuple[LogResiduals, ...] = ()
+    last: tuple[LogResiduals, ...] = ()
+    memory: Mapping[int, float] = field(default_factory=dict)
     tried: int = 0
     rounds: int = 0
     eyes: Identification | None = None
@@ -108,30 +120,26 @@ class Search:
 
     def asked_of(self, logs: frozenset[str]) -> Search:
         """Knowing what declared uncertainties of the measurement explain in these logs before anything is named."""
-        if self.first is None or logs in self.declared:
+        if not self.first or logs in self.declared:
             return self
-        found = explained(self.problem.base, self.first.residuals, self.problem.recordings, logs)
+        found = explained(self.problem.base, self.first, self.problem.recordings, logs)
         return replace(self, declared={**self.declared, logs: found})
+
+    def on(self, ground: Ground) -> Search:
+        """With what this ground found left."""
+        first = self.first or ground.residuals
+        return replace(self, first=first, last=ground.residuals, memory=ground.baseline.memory)
 
     def having_failed(self, key: Key, why: Alternative) -> Search:
         return replace(self, failed={**self.failed, key: why})
 
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         """The robot with these effects."""
-        problem = self.problem
-        robot, floors = problem.base.model.robot, floors_of(problem.base.validation)
-        eyes = (self.eyes or problem.base).model
-        for _ in range(0 if self.eyes else self._passes(effects) - 1):
-            seen = Extension(eyes, tuple(effects), floors)
-            eyes = seen_by_effects(robot, problem.recordings, problem.settings, seen)
-        extension = Extension(eyes, tuple(effects), floors)
-        return identify(robot, problem.recordings, problem.settings, extension=extension)
+        return _identified(self.problem, self.eyes, effects)
 
-    def _passes(self, effects: Sequence[AddedEffect]) -> int:
-        criteria = self.problem.settings.criteria.search
-        if any(isinstance(each.site, BaseSite | EncoderSite) for each in effects):
-            return criteria.turned
-        return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
+    def when_asked(self, effects: Sequence[AddedEffect]) -> Callable[[], Identification]:
+        """The same, computed the first time that it is asked for."""
+        return cache(partial(_identified, self.problem, self.eyes, effects))
 
     def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
         """Every candidate scored beside this model; at one site only, if it is given."""
@@ -145,6 +153,22 @@ class Search:
         give_back()
         tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return replace(self, rounds=self.rounds + 1, tried=tried), ground
+
+
+def _identified(problem: Problem, eyes: Identification | None, effects: Sequence[AddedEffect]) -> Identification:
+    robot, floors = problem.base.model.robot, floors_of(problem.base.validation)
+    seen_by = (eyes or problem.base).model
+    for _ in range(0 if eyes else _passes(problem.settings.criteria.search, effects) - 1):
+        seen = Extension(seen_by, tuple(effects), floors)
+        seen_by = seen_by_effects(robot, problem.recordings, problem.settings, seen)
+    extension = Extension(seen_by, tuple(effects), floors)
+    return identify(robot, problem.recordings, problem.settings, extension=extension)
+
+
+def _passes(criteria: Searching, effects: Sequence[AddedEffect]) -> int:
+    if any(isinstance(each.site, BaseSite | EncoderSite) for each in effects):
+        return criteria.turned
+    return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
 
 
 def _all_stored(recordings: Sequence[Recording]) -> bool:

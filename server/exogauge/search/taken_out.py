@@ -53,17 +53,17 @@ def without_what_is_not_needed(search: Search) -> Search:
     another axis of a sensor on a body that turns."""
     criteria, number = search.problem.settings.criteria.search, 0
     while number < len(search.steps) - 1 or (search.steps[number:] and search.steps[number].beside):
-        step, kept = search.steps[number], search.without(number)
         if _surely_needed(search, number):
             number += 1
             continue
-        without = search.identified([each.added for each in kept])
+        step, others = search.steps[number], search.without(number)
+        without = taken_out(search, number, Objection(Why.NOT_NEEDED, of=_effects(others[-1:])))
         channel = step.finding.held_out.channel
-        now, then = (_held_out_rmse(each, channel) for each in (search.current, without))
+        now, then = (_held_out_rmse(each.current, channel) for each in (search, without))
         if then > criteria.not_needed * now:
             number += 1
         else:
-            search = taken_out(search, number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
+            search = without
     return search
 
 
@@ -86,26 +86,28 @@ def taken_back(search: Search, number: int, objection: Objection) -> Search:
     """Without one that turned out not to be worth its name once all others were there."""
     search = taken_out(search, number, objection)
     search, ground = search.screened(search.current)
-    return replace(search, last=ground)
+    return search.on(ground)
 
 
 def taken_out(search: Search, number: int, objection: Objection) -> Search:
-    step = search.steps[number]
+    """Without this step, in the model of its round too."""
+    step, first = search.steps[number], number
+    while search.steps[first].beside and first > 0:
+        first -= 1
     search = search.having_failed((step.added.effect.name, step.added.site), not_named(step.finding, objection))
-    return identified_again(search, search.steps[number + 1 :], search.steps[:number])
+    return identified_again(search, search.without(number)[first:], search.steps[:first])
 
 
 def identified_again(search: Search, kept: Sequence[Step], begun: tuple[Step, ...] = ()) -> Search:
     """With these steps, one round after the other; their findings keep what was said of them. begun: those before them,
     which stay as they are."""
-    search = replace(search, steps=begun)
+    steps = list(begun)
     for together in rounds_of(kept):
-        found = search.identified([*search.added, *(each.added for each in together)])
-        first = len(search.steps) + 1
-        steps = [replace(each, finding=replace(each.finding, rank=rank), found=found, beside=rank > first)
-                 for rank, each in enumerate(together, first)]  # fmt: skip
-        search = replace(search, steps=(*search.steps, *steps))
-    return search
+        identified = search.when_asked([each.added for each in (*steps, *together)])
+        first = len(steps) + 1
+        steps += [replace(each, finding=replace(each.finding, rank=rank), identified=identified, beside=rank > first)
+                  for rank, each in enumerate(together, first)]  # fmt: skip
+    return replace(search, steps=tuple(steps))
 
 
 def _effects(steps: Sequence[Step]) -> tuple[str, ...]:

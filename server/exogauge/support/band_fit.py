@@ -30,6 +30,7 @@ from exogauge.support.band_model import (
     at,
     declared_laws,
     fit,
+    lowest,
     shared,
     thinned,
 )
@@ -130,7 +131,7 @@ def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:
     if len(begin) == 1:
         return begin[0]
     few = thinned(setting)
-    return min((fit(few, _with_best_stiffness(few, each)) for each in begin), key=lambda each: each.cost).wear
+    return min((lowest(few, _with_best_stiffness(few, each)) for each in begin), key=lambda each: each.cost).wear
 
 
 def starts(plan: Layout, wires: Sequence[Wire], laws: tuple[Added, ...]) -> list[Wear]:

@@ -227,27 +227,41 @@ class Fitted:
         return np.asarray(vectors[:, curvature <= NULL * max(float(curvature[-1]), 1e-300)].T)
 
 
+@final
+@dataclass(frozen=True)
+class Reached:
+    """e, cost: as `Fitted`."""
+
+    wear: Wear
+    e: Array
+    cost: float
+
+
 def fit(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -> Fitted:
     """From `wear` downhill. held: place in theta -> value at which it is kept."""
+    return _with_slopes(setting, lowest(setting, wear, held))
+
+
+def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -> Reached:
+    """Where `fit` ends, without the slopes there."""
     held = held or {}
     theta = wear.theta.copy()
     for place, value in held.items():
         theta[place] = value
     low, high = _bounds(wear)
     free = np.array([p for p in range(len(theta)) if p not in held], dtype=np.intp)
-    now = at(setting, wear.at(theta))
+    now = _reached(setting, wear.at(theta))
     for _ in range(STEPS):
-        g = np.einsum("ndp,nd,nd->p", now.A, setting.weight, now.e) - _pulled(setting.belief, now.wear.theta)
-        was = now.wear.theta
+        here, was = _with_slopes(setting, now), now.wear.theta
+        g = np.einsum("ndp,nd,nd->p", here.A, setting.weight, here.e) - _pulled(setting.belief, was)
         for damping in DAMPINGS:
-            step = _step(now.hessian, g, free, low - was, high - was, damping)
-            tried = wear.at(np.clip(was + step, low, high))
-            e = residual(setting.logs, setting.wires, tried)
-            if (cost := _cost(setting, tried, e)) <= now.cost:
+            step = _step(here.hessian, g, free, low - was, high - was, damping)
+            tried = _reached(setting, wear.at(np.clip(was + step, low, high)))
+            if tried.cost <= now.cost:
                 break
         else:
             break
-        gained, now = now.cost - cost, _from(setting, tried, e, cost)
+        gained, now = now.cost - tried.cost, tried
         if gained <= SMALL * max(now.cost, SMALL):
             break
     return now
@@ -255,15 +269,21 @@ def fit(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -
 
 def at(setting: Setting, wear: Wear) -> Fitted:
     """Everything about one choice of the values."""
-    e = residual(setting.logs, setting.wires, wear)
-    return _from(setting, wear, e, _cost(setting, wear, e))
+    return _with_slopes(setting, _reached(setting, wear))
 
 
-def _from(setting: Setting, wear: Wear, e: Array, cost: float) -> Fitted:
-    A = columns(setting.logs, setting.wires, wear)
-    hessian, S = information(setting, A), len(wear.springs)
+def _reached(setting: Setting, wear: Wear) -> Reached:
+    off = wear.springs - setting.belief.mean
+    left, paid = setting.offsets.beside(residual(setting.logs, setting.wires, wear))
+    squares = np.sum(setting.weight * left**2) + off @ setting.belief.precision @ off
+    return Reached(wear, left, float(squares + paid))
+
+
+def _with_slopes(setting: Setting, reached: Reached) -> Fitted:
+    A = columns(setting.logs, setting.wires, reached.wear)
+    hessian, S = information(setting, A), len(reached.wear.springs)
     hessian[:S, :S] += setting.belief.precision
-    return Fitted(wear, setting.offsets.without(e), A, hessian, cost)
+    return Fitted(reached.wear, reached.e, A, hessian, reached.cost)
 
 
 def information(setting: Setting, A: Array) -> Array:
@@ -271,12 +291,6 @@ def information(setting: Setting, A: Array) -> Array:
     root = np.sqrt(setting.weight)[:, :, None]
     flat = (setting.offsets.whitened(A) * root).reshape(-1, A.shape[2])
     return np.asarray(flat.T @ flat)
-
-
-def _cost(setting: Setting, wear: Wear, e: Array) -> float:
-    off, (left, paid) = wear.springs - setting.belief.mean, setting.offsets.beside(e)
-    squares = np.sum(setting.weight * left**2) + off @ setting.belief.precision @ off
-    return float(squares + paid)
 
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:

@@ -37,6 +37,7 @@ from exogauge.support.band_model import (
     Setting,
     at_bounds,
     fit,
+    lowest,
     thinned,
 )
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
@@ -419,7 +420,7 @@ class Profiles:
                 [coarse.wear] if nearest is coarse.wear else [coarse.wear, nearest]
             )  # where bands go slack are dips
             at = {index: max(candidate - shift, SHORTEST)}
-            held = min((fit(few, start, at) for start in starts), key=lambda fitted: fitted.cost)
+            held = min((lowest(few, start, at) for start in starts), key=lambda reached: reached.cost)
             reached[candidate] = held.wear
             return float(share * (held.cost - coarse.cost) - Z95**2)
 

@@ -21,7 +21,7 @@ from exogauge.effects.shaped import Shape
 from exogauge.findings.basis import LeftOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.search.sums import summed, sureness
-from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, residual
+from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, lowest, residual
 from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
@@ -102,7 +102,7 @@ def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[
     e = np.full(setting.weight.shape, np.nan)
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
-        own = fit(replace(setting, weight=weight), wear, held).wear
+        own = lowest(replace(setting, weight=weight), wear, held).wear
         left = setting.offsets.without(residual(setting.logs, setting.wires, own))
         e[left_out] = left[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
@@ -243,7 +243,7 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
         return replace(added, shape=tuple(shape))
 
     def cost(shares: Array) -> float:
-        return fit(setting, without.with_added(tried(shares))).cost
+        return lowest(setting, without.with_added(tried(shares))).cost
 
     start = np.array([shapes[k].share(added.shape[k]) for k in free])
     steps = np.array([_first_step(shapes[k], criteria) for k in free]) * np.where(start < 0.9, 1.0, -1.0)

@@ -17,7 +17,17 @@ from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import Ground
 from exogauge.detect.device.judge import Folds, left_out_residual, rmse
 from exogauge.search.sums import summed, sureness
-from exogauge.support.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Setting, Wear, believed, fit
+from exogauge.support.band_model import (
+    LENGTH_DOUBT,
+    STIFFNESS_DOUBT,
+    Belief,
+    Fitted,
+    Setting,
+    Wear,
+    believed,
+    fit,
+    lowest,
+)
 
 Array = NDArray[np.float64]
 
@@ -90,7 +100,7 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     known = believed(bands, wear, travel, free)
     if not (surely or _unlike(known, let_go.wear.theta, doubtful, place, ground.model.criteria)):
         return None
-    as_stated = fit(setting, let_go.wear, held={place: stated})
+    as_stated = lowest(setting, let_go.wear, held={place: stated})
     before = left_out_residual(setting, as_stated.wear, folds, held={place: stated})
     after = left_out_residual(setting, let_go.wear, folds)
     gained = (before**2 - after**2) / ground.sigma**2
