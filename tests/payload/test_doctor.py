@@ -113,6 +113,18 @@ def test_no_channel_of_a_real_sensor_is_said_to_be_cut_off(log: str) -> None:
             assert [each.value for each in cut_off(name, channel)] == [end] * (longest_run(channel == end)[1] >= LONG)
 
 
+def test_a_zero_that_settles_through_the_postures_is_no_step(payload: Payload) -> None:
+    def settling(time: Array, wrench: Array) -> Array:
+        course = 2.0 * (1.0 - np.exp(-3.0 * (time - time[0]) / np.ptp(time)))
+        return wrench + course[:, None] * np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    found = {(each.channel, each.rule): each for each in zero_steps(changed(payload, settling))}
+    name = payload.file.sensor.wrench[0]
+    assert (name, "zero_drifts") in found
+    assert (name, "zeroed") not in found
+    assert 0.5 < (found[name, "zero_drifts"].value or 0.0) < 2.0
+
+
 def test_a_sensor_zeroed_between_two_postures_is_found_on_its_axis(payload: Payload) -> None:
     assert not list(zero_steps(payload))
     found = list(zero_steps(changed(payload, rezeroed)))

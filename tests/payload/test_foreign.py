@@ -329,6 +329,28 @@ def test_a_base_that_leans_a_little_is_in_the_doubt_where_no_posture_tells_it(tm
     hold(errors, 4.0)
 
 
+@pytest.mark.parametrize(
+    ("pull", "verdict", "said"), [(0.0, "undecided", False), (0.4, "undecided", True), (4.0, "unexplained", True)]
+)
+def test_postures_tell_that_a_cable_pulls_though_not_what_it_is(
+    pull: float, verdict: str, said: bool, tmp_path: Path
+) -> None:
+    """[N] up and aside, by up to its size more or less as the arm turns: most of it looks like weight."""
+
+    def spoil(_name: str, table: Array) -> Array:
+        R, *_ = foreign.sensor(table[:, 1:6], 0.0 * table[:, 1:6], 0.0 * table[:, 1:6])
+        force = np.outer(pull * (1.0 + np.sin(2.0 * table[:, 1] + table[:, 2])), [0.3, 0.0, 0.95])
+        force = np.einsum("tji,tj->ti", R, force)
+        moment = np.cross([0.0, 0.0, 0.1], force)
+        return np.column_stack([table[:, :6], table[:, 6:] + np.hstack([force, moment])])
+
+    foreign.write(tmp_path, 3, spoil=spoil, tests=False)
+    found = evaluate(still(tmp_path))
+    assert found.missing.decision.verdict == verdict
+    told = [each for each in found.warnings if "looks like weight" in each]
+    assert bool(told) == said
+
+
 @pytest.mark.parametrize(("share", "said"), [(1.0, False), (0.95, True), (1.04, True)])
 def test_a_weighed_mass_that_contradicts_is_told_with_what_it_may_mean(
     share: float, said: bool, tmp_path: Path

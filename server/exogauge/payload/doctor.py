@@ -85,7 +85,8 @@ def drift_in_holds(payload: Payload, recording: Recording, criteria: Criteria = 
 
 
 def zero_steps(payload: Payload, criteria: Criteria = USUAL) -> Iterator[Finding]:
-    """A sensor that was zeroed between two postures leaves residuals that change their mean there."""
+    """A sensor that was zeroed between two postures leaves residuals that change their mean there; one that drifts
+    leaves some that go on changing, before and after."""
     holds, _ = holds_of(payload, criteria.payload_static)
     gravity, still, beside = (
         np.array(payload.file.gravity),
@@ -104,10 +105,28 @@ def zero_steps(payload: Payload, criteria: Criteria = USUAL) -> Iterator[Finding
                          float(holds.std[axis]) * np.sqrt(1 / k + 1 / len(after)))  # fmt: skip
             step = float(after.mean() - before.mean())
             best = max(best, (abs(step) / spread, k, step))
-        if best[0] > criteria.payload_doctor.clear:
+        drifted = _drifted(left[:, axis], best[1])
+        if best[0] > criteria.payload_doctor.clear and drifted is not None:
+            detail = f"the zero moves on from posture to posture, by {drifted:.3g} or more from the first to the last"
+            advice = "let the sensor warm up first; a motion beside the postures tells how it drifts"
+            yield Finding("warning", name, "zero_drifts", detail, advice, None, drifted)
+        elif best[0] > criteria.payload_doctor.clear:
             detail = f"from posture {best[1] + 1} on the zero is another one, by about {best[2]:.3g}"
             advice = "do not zero the sensor between postures; give the postures before or after it as `span`"
             yield Finding("error", name, "zeroed", detail, advice, None, best[2])
+
+
+def _drifted(left: Array, at: int) -> float | None:
+    """How far a line that bends once, at posture `at`, goes from the first to the last of what is left, (K,); None
+    where a step there leaves no more than it. What goes with the postures the fit took up: it is that much or more."""
+    K = len(left)
+    late, n = np.arange(K) >= at, np.arange(K) - at
+    stepped = left - np.where(late, left[late].mean(), left[~late].mean())
+    bent = np.column_stack([np.ones(K), np.minimum(n, 0), np.maximum(n, 0)])
+    line = bent @ np.linalg.lstsq(bent, left)[0]
+    if np.sum((left - line) ** 2) * (K - 2) >= np.sum(stepped**2) * (K - 3):
+        return None
+    return float(line[-1] - line[0])
 
 
 def imu_axes(payload: Payload, criteria: Criteria = USUAL) -> Iterator[Finding]:

@@ -21,6 +21,7 @@ from exogauge.payload.dynamics import reading_of_mu
 from exogauge.payload.imu import ImuFrame
 from exogauge.payload.intake import Payload
 from exogauge.payload.limits import saturation
+from exogauge.payload.missing.at_rest import judged_at_rest, said_at_rest
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
 from exogauge.payload.missing.words import cause_of_residual
@@ -136,7 +137,8 @@ def _missing(logs: Logs, stages: Stages) -> Missing:
     then nothing says how much may be left."""
     postures, excitation, criteria = stages.postures, stages.excitation, logs.criteria
     if excitation is None:
-        return unjudged(Caveat("no_motion"))
+        assert postures is not None
+        return judged_at_rest(postures.holds, postures.chosen, criteria)
     if not excitation.noise_known:
         return unjudged(Caveat("noise_unknown"))
     still, fitted = logs.still_stretches(stages), logs.stretches("excitation", stages)
@@ -154,7 +156,8 @@ def _with_what_is_missing(logs: Logs, stages: Stages, missing: Missing, progress
     """All with what was named missing, if it can be told so, and with what the sensor's calibration leaves in doubt."""
     named = any(each.effect in ("gain", "crosstalk") for each in missing.found)
     sensor = declared_of(logs.payload.file, logs.criteria, contradicted=named)
-    if (missing.of_sensor or missing.decision.verdict == "unexplained") and not sensor.exact:
+    unexplained = missing.decision.verdict == "unexplained" and stages.excitation is not None
+    if (missing.of_sensor or unexplained) and not sensor.exact:
         progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
         as_sensor = in_place_of_named(logs, stages, sensor, missing)
         if as_sensor is not None:
@@ -253,7 +256,7 @@ def doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cri
     """What the motion's residual says, and where something touched."""
     excitation, out = stages.excitation, list[str]()
     if excitation is None:
-        return out
+        return said_at_rest(missing)
     if excitation.noise_known:
         mu, mu_std, cause = excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing)
         reading = reading_of_mu(mu, mu_std, cause, criteria.payload_dynamic)
