@@ -60,7 +60,7 @@ def test_a_chain_gone_through_again_costs_no_identification_that_nobody_asks_for
     (true,) = named.steps
     other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
     first, last = identified_again(named, [true, replace(true, added=other)]).steps
-    assert np.array_equal(last.found.phi, named.identified([true.added, other]).phi)
+    assert np.array_equal(last.found.phi, named.problem.identified(named.eyes, [true.added, other]).phi)
     assert [each.identified.cache_info().currsize for each in (first, last)] == [0, 1]
     assert np.array_equal(first.found.phi, true.found.phi)
 

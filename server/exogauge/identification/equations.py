@@ -292,23 +292,11 @@ class Equations:
                         part.add_rows(chunk.kind, chunk.block[cuts[fold] : cuts[fold + 1]])
         return parts
 
-    def scores(self, prepared: Prepared, x_before: Array, x: Array, weights: Array, length: int) -> Array:
-        """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance.
-        x_before: as for `rows`, those at which the curvature was collected that stands beside them."""
-        return self._stretches(prepared, x_before, weights, length, lambda chunk, _: chunk.residual(x))
-
-    def curved(self, prepared: Prepared, x_before: Array, weights: Array, length: int, steps: Array) -> Array:
-        """(blocks, P) w A^T A of each stretch times its own step: (blocks, P)."""
-
-        def moved(chunk: Chunk, stretch: IntArray) -> Array:
-            return np.asarray(np.einsum("nk,nk->n", chunk.block[:, :-1], steps[np.ix_(stretch, chunk.columns)]))
-
-        return self._stretches(prepared, x_before, weights, length, moved)
-
-    def _stretches(
+    def stretches(
         self, prepared: Prepared, x_before: Array, weights: Array, length: int, of: Callable[[Chunk, IntArray], Array]
     ) -> Array:
-        """(blocks, P) sums of w A^T v. of: v (n,) of a chunk whose rows lie in these stretches."""
+        """(stretches, P) sums of w A^T v over `length` consecutive kept samples each. of: v (n,) of a chunk whose rows
+        lie in these stretches. x_before: as for `rows`."""
         sums = np.zeros((-(-len(prepared.kept) // length), self.size))
         for _, rows in self.rows(prepared, x_before):
             for chunk in rows:

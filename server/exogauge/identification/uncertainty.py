@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.equations import Equations
+from exogauge.identification.equations import Chunk, Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.solution import Solution
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 CORRELATION_TIMES = 8.0  # length of a block in units of the residual's correlation time
 SHORTEST_BLOCK_S = 0.5
@@ -37,13 +38,19 @@ def score_covariance(equations: Equations, logs: Sequence[Prepared], solution: S
     def of_blocks(log: Prepared) -> Array:
         residual = equations.residuals(log, x)
         length, memory = block_length(residual[:, weights > 0.0], log.log.rate_hz / (log.kept[1] - log.kept[0]))
-        sums = equations.scores(log, before, x, weights, length)
-        bent = equations.curved(log, before, weights, length, solution.unbounded.divided(sums.T).T)
+        sums = equations.stretches(log, before, weights, length, lambda chunk, _: chunk.residual(x))
+        steps = solution.unbounded.divided(sums.T).T
+        bent = equations.stretches(log, before, weights, length, lambda *rows: _moved(steps, *rows))
         return np.asarray((sums + 0.5 * bent) / np.sqrt(1.0 - 0.5 * min(memory / length, 1.0)))
 
     for sums in side_by_side(of_blocks, logs):
         meat += sums.T @ sums * (len(sums) / (len(sums) - 1.0))
     return meat
+
+
+def _moved(steps: Array, chunk: Chunk, stretch: IntArray) -> Array:
+    """(n,) A times the step of the stretch that each row lies in. steps: (stretches, P)."""
+    return np.asarray(np.einsum("nk,nk->n", chunk.block[:, :-1], steps[np.ix_(stretch, chunk.columns)]))
 
 
 def block_length(residual: Array, rate_hz: float) -> tuple[int, float]:

@@ -98,7 +98,7 @@ def tree_arrays(of: Kinematics) -> TreeArrays:
 def signals_of(motion: Motion) -> tuple[Array, Array]:
     """(5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that of bodies without one; (9, T) acc, gyro, gyro_dot."""
     base = np.asfortranarray(np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T]))  # as it is compiled for
-    signals = np.zeros((5, motion.q.shape[1] + 1, motion.samples))
+    signals = np.zeros((5, motion.q.shape[1] + 1, len(motion.q)))
     for place, x in ((0, motion.q), (3, motion.dq), (4, motion.ddq)):
         signals[place, :-1] = x.T
     np.cos(signals[0], out=signals[1])

@@ -90,13 +90,13 @@ def _with_better_shape(search: Search, number: int) -> Search | None:
         return None
     eyes, site = search.current, step.added.site
     seeing = replace(search, eyes=eyes)
-    without = seeing.identified(others)
+    without = seeing.problem.identified(seeing.eyes, others)
     rows = collect_rows(without.model, problem.recordings, [site], eyes.model)[site]
     best = _best(Baseline(without.model, search.memory), step.added, rows)
     if best is None:
         return None
     added = as_added(best.candidate)
-    found = seeing.identified([*others[:number], added, *others[number:]])
+    found = seeing.problem.identified(seeing.eyes, [*others[:number], added, *others[number:]])
     left, _ = _left(step.finding, found)
     if left > criteria.shapes_better * now:
         return None

@@ -111,13 +111,12 @@ def lay_ground(
         site: [each for each in candidates if each.effect.name in shown[site]]
         for site, candidates in everywhere.items()
     }
-
-    def of_site(site: Site) -> list[Score]:
-        return list(score_all(baseline, everywhere[site], fitted.by_site[site]))
-
+    scored = side_by_side(
+        lambda site: list(score_all(baseline, everywhere[site], fitted.by_site[site])), fitted.by_site
+    )
     scores = [
         each
-        for site, found in zip(fitted.by_site, side_by_side(of_site, fitted.by_site), strict=True)
+        for site, found in zip(fitted.by_site, scored, strict=True)
         for each in found
         if each.gain > 0.0 and each.candidate.effect.name in shown[site]
     ]

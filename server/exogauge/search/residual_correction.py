@@ -160,7 +160,7 @@ def own_curves(search: Search) -> list[Bend]:
             continue
         candidate = scored.candidate
         added = AddedEffect(candidate.effect, candidate.site, candidate.shape)
-        after = search.identified([*effects, *(each.added for each in bends), added])
+        after = search.problem.identified(search.eyes, [*effects, *(each.added for each in bends), added])
         finding = _told(step.finding, before, after, scored, rows)
         channel = channel_of(before.model.equations, judged.kind)
         sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
@@ -251,7 +251,7 @@ def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
         return []
     added = as_added(best.score.candidate)
     there = [*search.added, *(each.added for each in bends)]
-    after = search.identified([*there, added])
+    after = search.problem.identified(search.eyes, [*there, added])
     channel = channel_of(before.model.equations, best.kind)
     sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
     if gone(*(rmse for rmse, _ in sizes)) < criteria.bend_least * sizes[1][1]:

@@ -75,50 +75,49 @@ def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None
         if _acting_on(search, _rows_of(first, ground.model.equations)) >= criteria.search.most_effects:
             continue
         rows = rows or collect_rows(ground.model, problem.recordings, [each.score.candidate.site for each in judged])
-        winner = _to_the_end(search, ground, first, rows)
-        judged = [winner if each is first else each for each in judged]
-        noise = _noise_alone(search, ground, winner, rows[winner.score.candidate.site])
+        together, judged, noise = _with_its_likes(search, ground, first, claimed, judged, rows)
+        winner = together[0]
         if noise:
             search = search.having_failed(winner.score.candidate.key, rejection(ground.model, winner, noise))
             continue
-        others = {id(each): _to_the_end(search, ground, each, rows) for each in _as_clear(ground, winner, claimed)}
-        judged = [others.get(id(each), each) for each in judged]
-        beside = [each for each in others.values() if not each.objection
-                  and not _noise_alone(search, ground, each, rows[each.score.candidate.site])]  # fmt: skip
-        told = {each.score.candidate.key: tell(ground.model, each, judged, rows) for each in (winner, *beside)}
+        told = {each.score.candidate.key: tell(ground.model, each, judged, rows) for each in together}
         rows = {}
         give_back()  # what the rows held, which the next ground needs
-        search, following = _with_a_round(search, ground, [winner, *beside], told)
-        if following is not None:
-            return search, following
+        while together and together[0] is winner:
+            problem.tell(0.0, Doing.ADDING_EFFECT, winner.score.candidate.effect.name)
+            added = [*search.added, *(as_added(each.score.candidate) for each in together)]
+            found = problem.identified(search.eyes, added)
+            after, following = search.screened(found)
+            after, refused = _named(after, ground, following, together, told, found)
+            if not refused:
+                return after, following
+            search = _having_refused(replace(search, tried=after.tried, rounds=after.rounds), ground, refused)
+            together = [each for each in together if each.score.candidate.key not in search.failed]
     return search, None
 
 
-def _with_a_round(
-    search: Search, ground: Ground, together: Sequence[Judgement], told: Mapping[Key, Told]
-) -> tuple[Search, Ground | None]:
-    """The search with those of a round that hold in the model with one another, and the next ground; None where the
-    first does not hold."""
-    winner = together[0]
-    while together and together[0] is winner:
-        search.problem.tell(0.0, Doing.ADDING_EFFECT, winner.score.candidate.effect.name)
-        found = search.identified([*search.added, *(as_added(each.score.candidate) for each in together)])
-        after, following = search.screened(found)
-        after, refused = _named(after, ground, following, together, told, found)
-        if not refused:
-            return after, following
-        search = replace(search, tried=after.tried, rounds=after.rounds)
-        for each, why in refused:
-            search = search.having_failed(each.score.candidate.key, rejection(ground.model, each, why))
-        together = [each for each in together if each.score.candidate.key not in search.failed]
-    return search, None
+def _with_its_likes(
+    search: Search, ground: Ground, first: Judgement, claimed: Sequence[Judgement], judged: Sequence[Judgement],
+    rows: Mapping[Site, Sequence[SiteRows]],
+) -> tuple[list[Judgement], list[Judgement], Objection | None]:  # fmt: skip
+    """A round: the claim with its shapes searched to the end, and the same effect where it is as clear; all judgements
+    with these in their places; and why the first is nothing but noise, if it is."""
+    winner = _weighed(search, with_closest_shape(ground, first, rows))
+    judged = [winner if each is first else each for each in judged]
+    if noise := _noise_alone(search, ground, winner, rows[winner.score.candidate.site]):
+        return [winner], judged, noise
+    alike = _as_clear(ground, winner, claimed)
+    others = {id(each): _weighed(search, with_closest_shape(ground, each, rows)) for each in alike}
+    judged = [others.get(id(each), each) for each in judged]
+    beside = [each for each in others.values() if not each.objection
+              and not _noise_alone(search, ground, each, rows[each.score.candidate.site])]  # fmt: skip
+    return [winner, *beside], judged, None
 
 
-def _to_the_end(
-    search: Search, ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]
-) -> Judgement:
-    """With its shapes searched to the end, and an objection where it is not worth a name."""
-    return _weighed(search, with_closest_shape(ground, judged, rows))
+def _having_refused(search: Search, ground: Ground, refused: Sequence[tuple[Judgement, Objection]]) -> Search:
+    for each, why in refused:
+        search = search.having_failed(each.score.candidate.key, rejection(ground.model, each, why))
+    return search
 
 
 def _as_clear(ground: Ground, winner: Judgement, claimed: Sequence[Judgement]) -> list[Judgement]:

@@ -76,6 +76,15 @@ class Problem:
     tell: Progress = unwatched
     only: int | None = None
 
+    def identified(self, eyes: Identification | None, effects: Sequence[AddedEffect]) -> Identification:
+        """The robot with these effects. eyes: as of `Search`."""
+        robot, floors = self.base.model.robot, floors_of(self.base.validation)
+        seen_by = (eyes or self.base).model
+        for _ in range(0 if eyes else _passes(self.settings.criteria.search, effects) - 1):
+            seen = Extension(seen_by, tuple(effects), floors)
+            seen_by = seen_by_effects(robot, self.recordings, self.settings, seen)
+        return identify(robot, self.recordings, self.settings, extension=Extension(seen_by, tuple(effects), floors))
+
 
 @final
 @dataclass(frozen=True)
@@ -133,13 +142,9 @@ class Search:
     def having_failed(self, key: Key, why: Alternative) -> Search:
         return replace(self, failed={**self.failed, key: why})
 
-    def identified(self, effects: Sequence[AddedEffect]) -> Identification:
-        """The robot with these effects."""
-        return _identified(self.problem, self.eyes, effects)
-
     def when_asked(self, effects: Sequence[AddedEffect]) -> Callable[[], Identification]:
-        """The same, computed the first time that it is asked for."""
-        return cache(partial(_identified, self.problem, self.eyes, effects))
+        """The robot with these effects, identified the first time that it is asked for."""
+        return cache(partial(self.problem.identified, self.eyes, effects))
 
     def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
         """Every candidate scored beside this model; at one site only, if it is given."""
@@ -153,16 +158,6 @@ class Search:
         give_back()
         tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return replace(self, rounds=self.rounds + 1, tried=tried), ground
-
-
-def _identified(problem: Problem, eyes: Identification | None, effects: Sequence[AddedEffect]) -> Identification:
-    robot, floors = problem.base.model.robot, floors_of(problem.base.validation)
-    seen_by = (eyes or problem.base).model
-    for _ in range(0 if eyes else _passes(problem.settings.criteria.search, effects) - 1):
-        seen = Extension(seen_by, tuple(effects), floors)
-        seen_by = seen_by_effects(robot, problem.recordings, problem.settings, seen)
-    extension = Extension(seen_by, tuple(effects), floors)
-    return identify(robot, problem.recordings, problem.settings, extension=extension)
 
 
 def _passes(criteria: Searching, effects: Sequence[AddedEffect]) -> int:

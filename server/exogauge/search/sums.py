@@ -96,11 +96,9 @@ class Sums:
     by_site: dict[Site, SiteSums] = field(default_factory=dict)
 
     def join(self, other: Sums) -> None:
-        """Take in another log."""
+        """Take in another log, whose sums are from then on part of these."""
         for site, by_kind in other.by_site.items():
-            mine = self.by_site.setdefault(site, {})
-            for kind, sums in by_kind.items():
-                mine.setdefault(kind, KindSums.empty(*sums.cross.shape)).join(sums)
+            _join(self.by_site.setdefault(site, {}), by_kind)
 
     def take(self, site: Site, kinds: Sequence[int], own: Columns, rows: Rows) -> None:
         """Add a site's columns in one log. kinds: of the site; rows: of that log, all that it has among them."""
@@ -110,7 +108,15 @@ class Sums:
                 c = own.different[samples, :, place]
                 found.setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
         if found:
-            self.join(Sums({site: {kind: sums.chosen(own.which) for kind, sums in found.items()}}))
+            _join(self.by_site.setdefault(site, {}), {kind: sums.chosen(own.which) for kind, sums in found.items()})
+
+
+def _join(mine: SiteSums, more: Mapping[int, KindSums]) -> None:
+    for kind, sums in more.items():
+        if kind in mine:
+            mine[kind].join(sums)
+        else:
+            mine[kind] = sums
 
 
 Rows = Mapping[int, Sequence[tuple[IntArray, Array, Array]]]  # kind -> parts: samples (n,), A (n, k), e (n,) y - A x

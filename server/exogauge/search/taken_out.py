@@ -36,7 +36,7 @@ def _bettered(search: Search, number: int) -> Objection | None:
     site = step.added.site
     if not any(each.added.site == site for each in others):
         return None
-    _, ground = search.screened(search.identified([each.added for each in others]), site)
+    _, ground = search.screened(search.problem.identified(search.eyes, [each.added for each in others]), site)
     judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
     named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
     best = next((each for each in judged if not each.objection), None)
