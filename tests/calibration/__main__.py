@@ -42,7 +42,8 @@ def main() -> None:
         print(f"seed {seed} done", flush=True)
     print(f"{table(numbers)}\n\n{torque_table(torques)}")
     if asked.picture:
-        asked.picture.write_text(calibration(numbers, f"{asked.seeds} synthetic samples, {asked.realism}"), encoding="utf-8")
+        drawn = calibration(numbers, f"{asked.seeds} synthetic samples, {asked.realism}")
+        asked.picture.write_text(drawn, encoding="utf-8")
 
 
 def _answer(asked: argparse.Namespace, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
