@@ -126,9 +126,8 @@ def pass_over(
 
 def ranked(baseline: Baseline, tried: Mapping[Site, Sequence[Candidate]], sums: Sums) -> list[Score]:
     """Those that gain anything, best first. sums: of their columns over all fitted logs."""
-    by_site = sums.by_site
-    scored = side_by_side(lambda site: list(score_all(baseline, tried[site], by_site[site])), by_site)
-    return sorted((each for found in scored for each in found if each.gain > 0.0), key=lambda each: -each.evidence)
+    every = (each for site, own in sums.by_site.items() for each in score_all(baseline, tried[site], own))
+    return sorted((each for each in every if each.gain > 0.0), key=lambda each: -each.evidence)
 
 
 def _all_at(
