@@ -138,6 +138,11 @@ def test_a_table_that_is_wrong_is_refused_at_its_row(tmp_path: Path, what: str) 
     assert value is None or fault.value == value
 
 
+def test_a_table_of_a_robot_is_refused_with_what_takes_it(tmp_path: Path) -> None:
+    assert "motion check" in str(_refused(_file(tmp_path, "a.csv", "t,q.hip\n0,0\n0.1,0\n")).advice)
+    assert "Qualisys" in str(_refused(_file(tmp_path, "a.csv", "time,x\n0,0\n0.1,0\n")).advice)
+
+
 def _bow(frames: int = 61) -> np.ndarray:
     return np.asarray(np.radians(30.0) * np.sin(np.pi * np.linspace(0.0, 1.0, frames)) ** 2)
 
