@@ -25,7 +25,7 @@ def qualisys(points: Array, labels: Names, rate: float = 100.0, gap: str = "", h
              "\t".join(["MARKER_NAMES", *labels]),
              "\t".join(["TRAJECTORY_TYPES", *["Measured"] * len(labels)])]  # fmt: skip
     if head:
-        lines.append("\t".join(["Frame", "Time", *(f"{label} {axis}" for label in labels for axis in "XYZ")]))
+        lines.append("\t".join(["Frame", "Time", *(f"{label} {axis}" for label in labels for axis in "XYZ"), ""]))
     for t, row in enumerate(points):
         before = [str(t + 1), f"{t / rate:.5f}"] if head else []
         lines.append("\t".join([*before, *_texts(1000.0 * row, gap)]))
@@ -59,7 +59,9 @@ def motive(points: Array, labels: Names, rate: float = 120.0, unit: str = "Milli
 def nexus(points: Array, labels: Names, rate: float = 100.0, separator: str = ",", beside: bool = True) -> str:
     """beside: a section of a force plate before it, of model outputs behind it, and an unlabelled trajectory."""
     all_ = [*(f"Ann:{label}" for label in labels), *(["*12"] if beside else [])]
-    rows = [["Trajectories"], [f"{rate:g}"], ["", "", *(cell for name in all_ for cell in (name, "", ""))],
+    wide = [""] * (1 + 3 * len(all_))
+    rows = [["Trajectories", *wide], [f"{rate:g}", *wide],
+            ["", "", *(cell for name in all_ for cell in (name, "", ""))],
             ["Frame", "Sub Frame", *["X", "Y", "Z"] * len(all_)], ["", "", *["mm"] * 3 * len(all_)]]  # fmt: skip
     for t, row in enumerate(1000.0 * points):
         rows.append([str(t + 31), "0", *_texts(row), *(["1.5"] * 3 if beside else [])])
@@ -104,20 +106,31 @@ def bent(angle: float, heading: float) -> tuple[Array, Array]:
     return turn, place
 
 
-def mvnx(angles: Array, heading: float = 0.7, rate: float = 60.0, at_rest: bool = True, metres: float = 1.0) -> str:
-    """(T,) [rad]. at_rest: with the calibration's frames. metres: in a unit of length."""
+def mvnx(
+    angles: Array,
+    heading: float = 0.7,
+    rate: float = 60.0,
+    at_rest: bool = True,
+    metres: float = 1.0,
+    body: str = "FullBody",
+) -> str:
+    """(T,) [rad]. at_rest: with the calibration's frames. metres: in a unit of length. body: what of it
+    was measured."""
 
     def frame(kind: str, index: str, time: float, turn: Array, place: Array) -> str:
         q = Rotation.from_matrix(turn).as_quat()[:, [3, 0, 1, 2]]
-        said = f'time="{time:.0f}" index="{index}" tc="10:11:12:00" ms="1418227067039" type="{kind}"'
+        known = f'index="{index}" ' if index else ""
+        said = f'time="{time:.0f}" {known}tc="10:11:12:00" ms="1418227067039" type="{kind}"'
         turned, placed = " ".join(_texts(q)), " ".join(_texts(place / metres))
         return (f"<frame {said}><orientation>{turned}</orientation><position>{placed}</position>"
                 "<velocity>0 0 0</velocity></frame>")  # fmt: skip
 
     segments, joints = [], []
     for k, (name, parent, _) in enumerate(SEGMENTS, start=1):
-        tips = [TIPS[name]] if name in TIPS else [of for _, above, of in SEGMENTS if above == name]
-        points = "".join(f'<point label="p{n}"><pos_b>{x} {y} {z}</pos_b></point>' for n, (x, y, z) in enumerate(tips))
+        on = {f"j{other}": of for other, above, of in SEGMENTS if above == name} or {"pTip": TIPS[name]}
+        beside = {} if name in TIPS else {"pSkin": (0.9, 0.9, 0.9)}  # no joint, and farther than all
+        points = "".join(f'<point label="{label}"><pos_b>{x} {y} {z}</pos_b></point>'
+                         for label, (x, y, z) in {**beside, **on}.items())  # fmt: skip
         segments.append(f'<segment label={quoteattr(name)} id="{k}"><points>{points}</points></segment>')
         if parent is not None:
             joints.append(f'<joint label="j{name}"><connector1>{parent}/j{name}</connector1>'
@@ -126,7 +139,7 @@ def mvnx(angles: Array, heading: float = 0.7, rate: float = 60.0, at_rest: bool 
     frames = [frame(kind, "", 0.0, *still) for kind in (("identity", "tpose", "tpose-isb") if at_rest else ())]
     frames += [frame("normal", str(t), 1000.0 * t / rate, *bent(angle, heading)) for t, angle in enumerate(angles)]
     return ('<?xml version="1.0" encoding="UTF-8"?>\n<mvnx xmlns="http://www.xsens.com/mvn/mvnx" version="4">\n'
-            f'<mvn version="2021.0"/>\n<subject label="Ann" frameRate="{rate:g}" segmentCount="{len(SEGMENTS)}">\n'
+            f'<mvn version="2021.0"/>\n<subject label="Ann" frameRate="{rate:g}" configuration="{body}">\n'
             f"<segments>{''.join(segments)}</segments>\n<sensors><sensor label=\"Pelvis\"/></sensors>\n"
             f"<joints>{''.join(joints)}</joints>\n<frames segmentCount=\"{len(SEGMENTS)}\">\n"
             + "\n".join(frames) + "\n</frames></subject></mvnx>\n")  # fmt: skip

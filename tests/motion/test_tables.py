@@ -86,7 +86,7 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
     cut = {name: text[: text.rindex("\n", 0, len(text) - 30)] for name, text in (("tsv", tsv), ("opti", opti))}
     names = "\t".join(LABELS)
     lines = vicon.split("\n")
-    at = lines.index("Trajectories")
+    at = next(k for k, line in enumerate(lines) if line.startswith("Trajectories"))
     second = lines[at + 6].split(",")
     people = tuple(f"{who}_{label}" for who in ("Ann", "Ben") for label in LABELS)
     two = np.concatenate([there, there + np.array([0.0, 2.0, 0.0])], axis=1)
@@ -138,6 +138,11 @@ def test_a_table_that_is_wrong_is_refused_at_its_row(tmp_path: Path, what: str) 
     assert value is None or fault.value == value
 
 
+def test_a_table_of_a_robot_is_refused_with_what_takes_it(tmp_path: Path) -> None:
+    assert "motion check" in str(_refused(_file(tmp_path, "a.csv", "t,q.hip\n0,0\n0.1,0\n")).advice)
+    assert "Qualisys" in str(_refused(_file(tmp_path, "a.csv", "time,x\n0,0\n0.1,0\n")).advice)
+
+
 def _bow(frames: int = 61) -> np.ndarray:
     return np.asarray(np.radians(30.0) * np.sin(np.pi * np.linspace(0.0, 1.0, frames)) ** 2)
 
@@ -161,6 +166,18 @@ def test_segments_of_an_mvnx_are_a_person_that_bends(tmp_path: Path, at_rest: bo
     ahead = person.turn[:, :, 0]
     assert np.arctan2(ahead[:, 1], ahead[:, 0]) == pytest.approx(0.7, abs=1e-5)
     assert person.hip_height == pytest.approx(0.85)
+
+
+def test_a_segment_of_an_mvnx_ends_at_its_joint_and_what_was_not_measured_is_told(tmp_path: Path) -> None:
+    """Landmarks on the skin may lie farther than the joint; the legs of an upper body follow the pelvis."""
+    motion = open_motion(_file(tmp_path, "a.mvnx", mvnx(_bow(), body="UpperBody")))
+    assert motion.told["measured"].startswith("UpperBody")
+    tree = motion.tree
+    assert tree is not None
+    for name, below in (("LeftUpperArm", "LeftForeArm"), ("RightLowerLeg", "RightFoot"), ("Pelvis", "L5")):
+        at = tree.names.index(name), tree.names.index(below)
+        assert tree.end[:, at[0]] == pytest.approx(tree.position[:, at[1]], abs=1e-5)
+    assert "measured" not in open_motion(_file(tmp_path, "a.mvnx", mvnx(_bow()))).told
 
 
 def test_an_mvnx_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> None:

@@ -27,8 +27,10 @@ def read_table(path: Path) -> Captured:
     elif titles:
         table, rows = _nexus(path, lines, titles)
     else:
-        raise fault(path, "the table has no header that is known", "unknown_format",
-                    "TSV of Qualisys, CSV of Motive or of Nexus, each with its header; or C3D, or TRC", row=1,
+        advice = "TSV of Qualisys, CSV of Motive or of Nexus, each with its header; or C3D, or TRC"
+        if ",q." in lines[0]:
+            advice = "Joint angles of a robot are judged and written by `exogauge motion check` and `export`"
+        raise fault(path, "the table has no header that is known", "unknown_format", advice, row=1,
                     value=lines[0][:40])  # fmt: skip
     return points_of(path, _named(path, table), rows)
 

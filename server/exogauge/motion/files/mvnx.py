@@ -24,14 +24,17 @@ AT_REST = ("tpose", "npose", "identity")  # whichever comes first is where all a
 @final
 @dataclass
 class _File:
-    """ends: of every segment, the point of it that lies farthest from its origin [m]. above: parents by name.
+    """points: of every segment, by name, in its own axes [m]. above: parents by name; ends: of a parent, the point at
+    which the first of its joints is. measured: what of the body was.
 
     frames: by type, (index, time [ms], orientation, position) of each."""
 
     names: list[str] = field(default_factory=list)
-    ends: list[Array] = field(default_factory=list)
+    points: list[dict[str, Array]] = field(default_factory=list)
     above: dict[str, str] = field(default_factory=dict)
+    ends: dict[str, str] = field(default_factory=dict)
     rate: float = 0.0
+    measured: str = ""
     frames: dict[str, list[tuple[float, float, Array, Array]]] = field(default_factory=dict)
 
 
@@ -43,13 +46,15 @@ def read_mvnx(path: Path) -> Captured:
             if file.names:
                 raise fault(path, "two people are in the file", "two_people", "Export each person alone",
                             value=element.get("label"))  # fmt: skip
+            file.measured = element.get("configuration", "")
             file.rate = number(path, element.get("frameRate", "0"), None, "frameRate")
         elif event == "end" and tag == "segment":
             file.names.append(element.get("label", ""))
-            file.ends.append(_far_point(path, element, file.names[-1]))
+            file.points.append(_points(path, element, file.names[-1]))
         elif event == "end" and tag == "joint":
-            below, above = ((_text(element, f"connector{k}") or "").split("/")[0] for k in (2, 1))
+            (above, _, at), (below, _, _) = ((_text(element, f"connector{k}") or "").partition("/") for k in (1, 2))
             file.above[below] = above
+            file.ends.setdefault(above, at)
         elif event == "end" and tag == "frame":
             _frame(path, element, file)
             element.clear()
@@ -65,10 +70,11 @@ def read_mvnx(path: Path) -> Captured:
     else:
         rested = _turns(path, file, file.frames[kind][:1], order)
         rest, still = rested[0][0], rested[1][0]
-    own = np.stack([file.ends[k] for k in order])
+    own = np.stack([_end(file, k) for k in order])
+    told = {"measured": f"{file.measured}: the rest follows what was"} if file.measured[:4] not in ("", "Full") else {}
     tree = JointTree(names, parent, place, turn, place + np.einsum("tjab,jb->tja", turn, own), rest, still,
                      still + np.einsum("jab,jb->ja", rest, own))  # fmt: skip
-    return Captured("MVNX", _times(path, file, moving), 1.0, AXES["z"], skeleton=tree)
+    return Captured("MVNX", _times(path, file, moving), 1.0, AXES["z"], skeleton=tree, told=told)
 
 
 def _elements(path: Path) -> Iterator[tuple[str, str, Element]]:
@@ -86,11 +92,17 @@ def _text(element: Element, tag: str) -> str | None:
     return next((each.text for each in element.iter() if each.tag.rsplit("}", 1)[-1] == tag), None)
 
 
-def _far_point(path: Path, segment: Element, name: str) -> Array:
-    """(3,) [m] in the segment's own axes."""
-    texts = (each.text or "" for each in segment.iter() if each.tag.rsplit("}", 1)[-1] in ("pos_b", "pos_s"))
-    points = [_numbers(path, text, 3, name) for text in texts]
-    return max(points, key=lambda point: float(np.linalg.norm(point)), default=np.zeros(3))
+def _points(path: Path, segment: Element, name: str) -> dict[str, Array]:
+    """(3,) [m] each."""
+    inside = (each for each in segment.iter() if each.tag.rsplit("}", 1)[-1] == "point")
+    return {each.get("label", ""): _numbers(path, "".join(each.itertext()), 3, name) for each in inside}
+
+
+def _end(file: _File, segment: int) -> Array:
+    """(3,) [m] where the first of its joints is; of the last ones the point that lies farthest."""
+    points = file.points[segment]
+    farthest = max(points.values(), key=lambda point: float(np.linalg.norm(point)), default=np.zeros(3))
+    return points.get(file.ends.get(file.names[segment], ""), farthest)
 
 
 def _numbers(path: Path, text: str, count: int, of: str) -> Array:
