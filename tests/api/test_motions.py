@@ -15,6 +15,8 @@ import yaml
 from fastapi.testclient import TestClient
 from tests.motion.captures import bow, bvh
 from tests.motion.robots import sample_folder
+from tests.motion.tables import motive, mvnx, nexus, qualisys
+from tests.motion.test_reading import LABELS, body
 
 from exogauge.jobs.attempt import Runner
 from exogauge.jobs.leases import Lease
@@ -100,6 +102,24 @@ def test_a_capture_is_read_told_restated_and_its_feet_can_be_corrected(client: T
     tiles = client.get(f"{V1}/motions/{motion['id']}/series/tiles", params=ways).json()["channels"]
     moved = [max(each["max"]) - min(each["min"]) for each in tiles.values()]
     assert max(moved) == pytest.approx(0.40 * np.sin(np.radians(20.0)), abs=0.002)  # the head goes ahead with the trunk
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "holds", "found"),
+    [
+        ("a.tsv", qualisys(body(), LABELS), "markers", "Qualisys TSV"),
+        ("a.csv", motive(body(), LABELS), "markers", "Motive CSV"),
+        ("b.csv", nexus(body(), LABELS), "markers", "Nexus CSV"),
+        ("a.mvnx", mvnx(np.linspace(0.0, 0.5, 30)), "skeleton", "MVNX"),
+    ],
+)
+def test_tables_and_segments_of_laboratories_are_taken(
+    client: TestClient, name: str, text: str, holds: str, found: str
+) -> None:
+    answer = hand_in(client, {name: text.encode()})
+    assert answer.status_code == 201, answer.text
+    summary = client.get(f"{V1}/motions/{answer.json()['id']}").json()["summary"]
+    assert (summary["holds"], summary["told"]["format"]) == (holds, found)
 
 
 def test_what_cannot_be_read_is_refused_with_what_to_say(client: TestClient) -> None:

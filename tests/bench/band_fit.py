@@ -50,7 +50,17 @@ def problem(samples: int) -> Setting:
     torque = -np.einsum("nwd,nw->nd", geometry.jacobian, tension)
     noisy = torque + NOISE * rng.standard_normal(torque.shape)
     every, nothing = np.arange(len(q)), np.zeros(0, dtype=np.intp)
-    log = WearLog("worn", "any", 0.01 * every, q, every, noisy, np.ones(noisy.shape, dtype=bool), nothing, None)
+    log = WearLog(
+        "worn",
+        "any",
+        np.asarray(0.01 * every, dtype=np.float64),
+        q,
+        every,
+        noisy,
+        np.ones(noisy.shape, dtype=bool),
+        nothing,
+        None,
+    )
     logs = WearLogs([log], np.array(routing.columns), routing.joints)
     size = len(shared(bands).names)
     belief = Belief(np.zeros(size), np.zeros((size, size)))

@@ -190,4 +190,4 @@ def recorded(urdf: bytes, robot: Robot, planned: Excited, name: str, rng: np.ran
 
 
 if __name__ == "__main__":
-    report(*(int(each) for each in sys.argv[1:2]), names=tuple(sys.argv[2:]) or tuple(ARMS))
+    report(int(sys.argv[1]) if sys.argv[1:] else ROBOTS, tuple(sys.argv[2:]) or tuple(ARMS))

@@ -16,7 +16,7 @@ import pinocchio as pin
 from figaroh.identification.base_identification import BaseIdentification
 
 
-class Identification(BaseIdentification):
+class Identification(BaseIdentification):  # type: ignore[misc]  # not installed beside the product
     """The steps of `BaseIdentification.initialize` and `solve` without files, plots and reports."""
 
     def __init__(self, model: pin.Model, q: np.ndarray, v: np.ndarray, a: np.ndarray, tau: np.ndarray) -> None:
@@ -31,9 +31,9 @@ class Identification(BaseIdentification):
         self.initialize_standard_parameters()
         reduced, active = self._eliminate_zero_columns(0.001)
         tau, W = self._apply_decimation(reduced, 10) if decimate else self._prepare_undecimated_data(reduced)
-        return self._calculate_base_parameters(tau, W, active)["phi_base"]
+        return np.asarray(self._calculate_base_parameters(tau, W, active)["phi_base"])
 
-    def load_trajectory_data(self, data_source=None):
+    def load_trajectory_data(self, data_source: object = None) -> None:
         """Abstract in figaroh; the log is given."""
 
 

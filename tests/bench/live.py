@@ -117,13 +117,14 @@ def through(streams: int, seconds: float) -> Through:
         folder = sample(Path(scratch) / "sample")
         rows = rows_of(folder)
         service = Service(Path(scratch), workers=0, EXOGAUGE_SILENCE_S="300")  # eight take a while to begin
-        url = service.start()
+        url, running = service.start(), service.process
+        assert running
         try:
             with Client(url) as client:
                 payload = client.upload_payload(folder).id
             address = f"{url.replace('http', 'ws', 1)}/api/v1/live/payload/{payload}"
             lines = [Line(address, rows, seconds) for _ in range(streams)]
-            found = subprocess.run(["pgrep", "-P", str(service.process.pid), "-f", "live_process"], capture_output=True)
+            found = subprocess.run(["pgrep", "-P", str(running.pid), "-f", "live_process"], capture_output=True)
             processes = [int(each) for each in found.stdout.split()]
             began, before = time.monotonic(), sum(map(cpu_seconds, processes))
             for line in lines:
@@ -138,7 +139,8 @@ def through(streams: int, seconds: float) -> Through:
             service.stop()
     waited = np.concatenate([line.waited() for line in lines])
     unanswered = sum(line.count - line.answered for line in lines)
-    return Through(streams, *(1e3 * np.percentile(waited, [50, 99])), core, unanswered)
+    p50, p99 = 1e3 * np.percentile(waited, [50, 99])
+    return Through(streams, float(p50), float(p99), core, unanswered)
 
 
 ECHO = """

@@ -13,9 +13,10 @@ import sys
 
 import numpy as np
 from numpy.typing import NDArray
-from tests.payload.conftest import case, generator
+from tests.payload.conftest import case
 
 from exogauge.payload.dynamics import DynamicSolution, Method, dynamic_stage, static_prior
+from exogauge.synthetic import payload as generator
 from exogauge.terminal import text_table
 
 Array = NDArray[np.float64]

@@ -36,6 +36,7 @@ class Service:
             **more,
         }
         self.process: subprocess.Popen[bytes] | None = None
+        self.url = ""
 
     def start(self) -> str:
         """The service's address."""
@@ -52,7 +53,8 @@ class Service:
         while time.monotonic() < end and self.process.poll() is None:
             for line in log.read_text().splitlines():
                 if line.startswith(ANNOUNCED):
-                    return line.removeprefix(ANNOUNCED)
+                    self.url = line.removeprefix(ANNOUNCED)
+                    return self.url
             time.sleep(0.05)
         pytest.fail(f"the service did not start:\n{log.read_text()[-3000:]}")
 
@@ -66,7 +68,7 @@ class Service:
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """One for all who leave it as it is."""
     made = Service(tmp_path_factory.mktemp("service"))
-    made.url = made.start()
+    made.start()
     yield made
     made.stop()
 

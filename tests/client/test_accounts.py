@@ -37,7 +37,7 @@ def certificate(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory, service_of: Any, certificate: dict[str, str]) -> Iterator[Any]:
     made = service_of(tmp_path_factory.mktemp("accounts"), workers=0, EXOGAUGE_ACCOUNTS="1", **certificate)
-    made.url = made.start()
+    made.start()
     yield made
     made.stop()
 

@@ -29,7 +29,7 @@ def service(make_service):
         port = free.getsockname()[1]
     made = make_service(database_url="", workers=0)
     made.environment["EXOGAUGE_PORT"] = str(port)
-    made.url = made.start()
+    made.start()
     return made
 
 

@@ -16,9 +16,12 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.progress import unwatched
 from exogauge.robots.description import Declared, Robot
+from exogauge.search.afterwards import odd_logs
 from exogauge.search.baseline import lay_ground
 from exogauge.search.declared import within_declared
 from exogauge.search.locate import located
+from exogauge.search.search import searched as searched_for
+from exogauge.search.state import Problem
 
 DECLARED = Declared(ft_zero_force=2.0, ft_zero_moment=0.2)
 
@@ -81,6 +84,23 @@ def test_what_declared_uncertainties_explain_gets_no_name(
     assert found.verdict == ("effects" if named else "undecided")
     if not named:
         assert any(each.effect == "ft_zero" and each.objection.why is Why.DECLARED for each in found.rejected)
+
+
+@pytest.mark.parametrize(
+    ("declared", "newtons", "asked"), [(DECLARED, 3.0, False), (Declared(), 3.0, True), (DECLARED, 20.0, True)]
+)
+def test_a_log_whose_zero_is_off_as_declared_is_no_odd_one(
+    robot: Robot,  # noqa: F811
+    declared: Declared,
+    newtons: float,
+    asked: bool,
+) -> None:
+    """Every such log is searched once more as if it were fitted, which takes as long as a whole search."""
+    logs = [on_two_plates(seed) for seed in SEEDS[:-1]] + [on_two_plates(SEEDS[-1], {"left": pushed(newtons)})]
+    recordings = [Recording(log, held_out=number == len(logs) - 1) for number, log in enumerate(logs)]
+    found = identify(replace(robot, declared=declared), recordings, Settings())
+    nothing_named = searched_for(Problem(found, recordings, (), Settings()))
+    assert [each.log.name for each in odd_logs(nothing_named)] == ([logs[-1].name] if asked else [])
 
 
 def sticking(log: Log) -> Log:

@@ -16,6 +16,8 @@ from tests.e2e.robot_in_3d import changed, drawn, listen, picture, wait_until_dr
 from tests.e2e.test_studies_page import drop
 from tests.motion.captures import bow, bvh, knee
 from tests.motion.robots import arm_folder, sample_folder
+from tests.motion.tables import motive, mvnx, qualisys
+from tests.motion.test_reading import LABELS, body
 
 from exogauge.client import Client
 
@@ -58,6 +60,25 @@ def test_what_the_file_does_not_say_is_asked_for(page: Page) -> None:
     drop(page, {"notes.txt": b"nothing"})
     expect(page.get_by_role("alert").first).to_contain_text("captures")
     expect(page.get_by_role("heading", name="Say what the file does not")).to_be_visible()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("take.csv", motive(body(40), LABELS), "trajectories without a name: 1"),
+        ("take.tsv", qualisys(body(40), LABELS), "read: 0.001 m"),
+        ("take.mvnx", mvnx(np.linspace(0.0, 0.4, 60)), "Xsens MVN's segments"),
+    ],
+)
+def test_a_table_of_another_program_is_told_as_it_was_read(
+    page: Page, screenshot: Callable[[str], None], name: str, text: str, said: str
+) -> None:
+    page.goto("/motions")
+    drop(page, {name: text.encode()})
+    page.wait_for_url(A_MOTION, timeout=60_000)
+    expect(page.get_by_role("heading", name="take", level=1)).to_be_visible()
+    expect(page.locator("dl").first).to_contain_text(said)
+    screenshot(f"motion-{name.rpartition('.')[2]}")
 
 
 def test_a_dropped_capture_becomes_a_motion_of_a_robot(

@@ -20,6 +20,8 @@ from exogauge.effects.catalogue import (
     shaped_effects,
     whole_sensor_effects,
 )
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Shape
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
 OF_DEVICES = DOCUMENT.with_name("device.md")
@@ -56,7 +58,8 @@ def _laws() -> str:
 
 
 def _values(effect: BandEffect) -> str:
-    said, named = [], {each.name: each for each in reversed([*effect.coefficients, *effect.shapes])}
+    values: list[Quantity | Shape] = [*effect.coefficients, *effect.shapes]
+    said, named = list[str](), {each.name: each for each in reversed(values)}
     for each in reversed(named.values()):
         stated, unit = effect.stated[each.name], "" if each.unit == "1" else f" [{each.unit}]"
         default = "" if stated.default is None else f" ({stated.default:g})"

@@ -67,7 +67,7 @@ def _make(maker: Tree, *arguments: str) -> None:
 
 def recorded_answers(results: Path, names: Sequence[str]) -> dict[str, object]:
     """case -> what `exogauge blind run` has written of it: `discrepancy` alone of results.json."""
-    found = {}
+    found = dict[str, object]()
     for name in names:
         path = results / f"{name.removeprefix('blind/')}.json"
         if name.startswith("blind/") and path.exists():

@@ -200,10 +200,10 @@ def main() -> int:
             text, hours = as_csv(files, given.sample)
             of_a_large_one(client, meter, url, text, hours, "text", folder)
             more_text, _ = as_csv(files, given.sample, LARGER)
-            size = sum(len(content) for content in more_text.values()) / GB
+            gigabytes = sum(len(content) for content in more_text.values()) / GB
             meter.look()
             sent(client, more_text, folder)
-            told("larger text, upload", GB=size, **meter.look())
+            told("larger text, upload", GB=gigabytes, **meter.look())
             if not given.only_text:
                 hours = sum(pq.read_metadata(each).num_rows for each in (given.sample / "logs").iterdir()) / 200 / 3600
                 of_a_large_one(client, meter, url, files, hours, "sample", folder)

@@ -293,7 +293,7 @@ def test_an_amc_that_was_cut_out_of_a_longer_one_begins_where_it_does(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("name", "advice"), [("a.mvnx", "BVH"), ("a.csv", "C3D"), ("a.fbx", "BVH"), ("a.gz", "Unpack")]
+    ("name", "advice"), [("a.mvn", "MVNX"), ("a.csv", "C3D"), ("a.fbx", "BVH"), ("a.gz", "Unpack")]
 )
 def test_what_is_not_read_is_refused_with_what_its_program_can_export(tmp_path: Path, name: str, advice: str) -> None:
     (tmp_path / name).write_bytes(b"anything")

@@ -34,7 +34,7 @@ from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.outcome import margins, motion_table, slow, summarise
 from exogauge.motion.plan.possible import what_would_do
 from exogauge.motion.plan.retarget import ask
-from exogauge.motion.plan.rows import equations, slopes, sole_rows
+from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes, sole_rows
 from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
@@ -43,6 +43,7 @@ from exogauge.motion.retargeting import again, with_margin
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
 from exogauge.robots.moving.standing import base_on, standing
+from exogauge.robots.moving.touching import Pairs
 from exogauge.synthetic.urdf import robot_urdf
 
 JVRC = Path(__file__).parents[3] / "shared/data/model_jvrc1/jvrc_description/urdf/jvrc1.urdf"
@@ -130,6 +131,30 @@ class ByMuJoCo:
         out[:, :3], out[:, [4, 5, 6, 3]] = q[:, :3], Rotation.from_euler("ZXY", q[:, 3:6]).as_quat()
         out[:, [model.joint(name).qposadr[0] for name in robot.joints]] = q[:, 6:]
         return out
+
+
+def test_a_bound_that_a_round_was_near_is_in_the_equations_of_the_next(robot) -> None:
+    """G1's wrists broke their jerk in one round, were far from it in the next, whose equations left it out, and so on
+    without end."""
+    robot = replace(robot, limits=replace(robot.limits, jerk=np.full(len(robot.joints), 2000.0)))
+    asked, pairs = bend(robot, 0.6, 0.5), Pairs(replace(robot, shapes=()), USUAL.clearance_m)
+    fast, calm = through(asked.q, asked.step), through(np.tile(robot.home, (len(asked.q), 1)), asked.step)
+    none = np.zeros((len(asked.q), 2, 6))
+
+    def rows(spline: Spline, watched: Watched):
+        slope = slopes(robot, asked, spline, none)
+        used = shares(robot, spline, slope, pairs, USUAL)
+        return used, *bounds(robot, asked, spline, none, slope, used, pairs, USUAL, watched)
+
+    watched = Watched()
+    broken = float(np.abs(rows(fast, watched)[0].jerk).max())
+    assert broken > 2.0
+    x = np.zeros((len(fast.control), robot.model.nq + 13))
+    x[:, : robot.model.nq] = fast.control
+    for own, seen in ((watched, True), (Watched(), False)):
+        used, G, h = rows(calm, own)
+        assert np.abs(used.jerk).max() < 1e-6
+        assert (float((G @ x.ravel() - h).max()) >= broken - 1.0 - 1e-9) == seen
 
 
 def test_a_spline_at_its_nodes_is_the_spline_and_its_rates_are_its_slopes() -> None:
@@ -363,6 +388,21 @@ def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
 def weak(robot: MotionRobot, share: float) -> MotionRobot:
     """With that share of the torque that it has."""
     return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))
+
+
+def test_what_keeps_the_trunk_from_its_angle_is_told(robot: MotionRobot) -> None:
+    """Of iCub's roll 8.6° were missing, and nothing said that root and chest were as near as they may be."""
+    time, still = np.linspace(0.0, 1.0, 61), np.tile(np.eye(3), (61, 1, 1))
+    person = Person("bends", time, np.zeros((61, 3)), still, still, {}, 0.8)
+    asked, slow = bend(robot, 0.6, 2.0), robot.limits.velocity.copy()
+    slow[robot.joints.index("torso_pitch")] = 0.5
+    said = []
+    for own in (robot, replace(robot, limits=replace(robot.limits, velocity=slow))):
+        planned, judged = plan_within(own, asked, SOON)
+        assert not judged.broken
+        said.append(str(summarise(own, person, asked, np.zeros(1), planned, judged)["trunk torso_pitch"]))
+    assert "most at" not in said[0]
+    assert re.search(r"where it bears them, most at \d\.\d\d s, where velocity of torso_pitch is at 9\d %", said[1])
 
 
 def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: MotionRobot) -> None:

@@ -11,13 +11,16 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
-from tests.motion.robots import STOCK
+from tests.motion.robots import STOCK, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.plan.at_rest import at_home
+from exogauge.motion.robot_draft import draft_of
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.stance import Standing
 from exogauge.robots.moving.touching import Pairs
+from exogauge.synthetic.urdf import robot_urdf
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 CAPTURES = SHARED / "cmu_mocap_bend_twist"
@@ -114,3 +117,62 @@ def test_legs_whose_limits_let_no_knee_go_ahead_are_told(tmp_path: Path, capsys)
         assert re.search(rf"{side}LEG_ANKLE_P takes -0\.3\d rad, its limit is 0 to 2\.618", told)
     assert "correct its <limit> in the URDF" in told
     assert not {"LLEG_HIP_P", "RLEG_HIP_P"} & set(yaml.safe_load((tmp_path / "robot.yaml").read_text())["home"])
+
+
+HUMAN = "human_description/robots/human.urdf"
+
+
+@pytest.mark.parametrize("rpy", ["", "1.570796 0 0", "3.141593 0 0"])
+def test_a_robot_that_does_not_stand_along_z_is_refused_with_the_joint_that_turns_it(
+    rpy: str, tmp_path: Path, capsys
+) -> None:
+    """A human with y up, as is, along z and along -y: it was told to have no elbow and knees without room."""
+    urdf = stock(HUMAN, tmp_path)
+    if rpy:
+        turned = (f'<link name="u"/><joint name="j" type="fixed"><parent link="u"/><child link="middle_pelvis"/>'
+                  f'<origin rpy="{rpy}"/></joint>')  # fmt: skip
+        urdf.write_text(urdf.read_text().replace('<link name="middle_pelvis">', turned + '<link name="middle_pelvis">'))
+    code = main(["motion", "robot", str(urdf)])
+    said = capsys.readouterr()
+    if rpy.startswith("1.57"):
+        assert code == 1  # its feet have no shape
+        content = (tmp_path / "robot.yaml").read_text()
+        assert content.count("# !") == 1
+        assert "l_hand: left_hand" in content
+        assert "left_knee_Z: 0.69" in content
+        return
+    assert code == 2
+    joint = re.search(r"<link name=\"upright\"/> .*</joint>", said.err)
+    assert joint is not None
+    urdf.write_text(urdf.read_text().replace("</robot>", joint.group() + "</robot>"))
+    assert main(["motion", "robot", str(urdf)]) == 1
+    assert "left_knee_Z: 0.69" in (tmp_path / "robot.yaml").read_text()
+
+
+def test_a_root_link_may_be_called_base_and_a_foot_as_its_joint(tmp_path: Path) -> None:
+    """A frame of the planner's own is called base; names of links and joints may be alike."""
+    folder = sample_folder(tmp_path).parent
+    urdf, file = (folder / "robot.urdf").read_text(), (folder / "robot.yaml").read_text()
+    for link, other in (("BODY", "base"), ("l_foot", "l_ankle_roll")):
+        assert f'link name="{link}"' in urdf
+        urdf = re.sub(rf'(link(?: name)?=)"{link}"', rf'\1"{other}"', urdf)
+        file = re.sub(rf"\b{link}\b(?!:)", other, file)
+    (folder / "robot.urdf").write_text(urdf)
+    (folder / "robot.yaml").write_text(file)
+    robot = load_motion_robot(folder / "robot.yaml")
+    assert [robot.joints[k] for k in robot.torso] == ["torso_yaw", "torso_pitch"]
+    assert len(Standing(robot).legs) == 2
+    assert not at_home(robot, USUAL).lacks
+
+
+def test_feet_and_elbows_are_found_by_their_short_names(tmp_path: Path) -> None:
+    """ARMAR4's end in leg_ank2_r0 and bend at arm_elb1_joint_r0: it was bolted down."""
+    urdf = robot_urdf()
+    for side, short in (("l", "r0"), ("r", "r1")):
+        urdf = urdf.replace(f'"{side}_foot"', f'"leg_ank2_{short}"').replace(f"{side}_elbow", f"arm_elb1_{short}")
+        urdf = urdf.replace(f'"{side}_sole"', f'"under_{short}"')
+    assert "elbow" not in urdf
+    content, told = draft_of(urdf.encode(), "robot.urdf", tmp_path)
+    assert [sole["link"] for sole in content["soles"]] == ["leg_ank2_r0", "leg_ank2_r1"]  # by where they are
+    assert content["human_map"]["thorax"] == "chest"
+    assert not [line for line in told if line.startswith("# !")]

@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import distribution
+from pathlib import Path
 from typing import final
 
 FOLDER = "cmeel.prefix/share/example-robot-data/robots"
@@ -31,7 +32,7 @@ class StockRobot:
 
     def tree(self) -> ET.Element:
         """The URDF without what only shows or touches; gripper joints fixed; joints that mimic others too."""
-        path = distribution("example-robot-data").locate_file(f"{FOLDER}/{self.urdf}")
+        path = Path(str(distribution("example-robot-data").locate_file(f"{FOLDER}/{self.urdf}")))
         root = ET.fromstring(path.read_bytes())
         for link in root.iter("link"):
             for kind in ("visual", "collision"):

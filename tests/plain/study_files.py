@@ -145,7 +145,7 @@ def _largest_torque(model: mujoco.MjModel, names: list[str]) -> Array:
         data.qpos[-len(names) :] = rng.uniform(-1.0, 1.0, len(names))
         mujoco.mj_inverse(model, data)
         seen.append(data.qfrc_inverse[-len(names) :].copy())
-    return np.clip(np.abs(seen).max(axis=0), 8.0, 80.0)
+    return np.asarray(np.clip(np.abs(seen).max(axis=0), 8.0, 80.0))
 
 
 def _log(

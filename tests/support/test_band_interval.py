@@ -77,6 +77,28 @@ def test_ends_of_a_profile_are_where_the_best_of_the_rest_costs_the_quantile_squ
     assert np.abs(ends - symmetric).max() > 0.05 * half  # here the two kinds do differ
 
 
+def test_two_ways_that_suit_alike_are_in_one_interval():
+    """Two postures, and a pull that grows faster than its stretch: a soft spring that is always taut suits nearly as
+    well as a hard one that is taut in one of them only, and nothing between suits at all."""
+    t, noise = np.linspace(0.0, 20.0, 400), 0.8
+    b = np.where(t < 10.0, 0.15, 0.95) + 0.12 * np.sin(2.1 * t)
+    motion = Motion(np.column_stack([b, 0.0 * t, 0.0 * t]), bands=1, joints=1)
+    pull = 80.0 * np.maximum(motion.length - 0.59, 0.0) + 250.0 * np.maximum(motion.length - 0.68, 0.0)
+    samples = TorqueSamples(motion, -motion.jacobian[:, 0] * pull, np.full((len(t), 1), noise**-2))
+
+    every, taut_from = np.linspace(50.0, 600.0, 551), np.linspace(0.5, 0.725, 1000)
+    unit = -motion.jacobian[:, 0] * np.maximum(motion.length - taut_from, 0.0) / noise  # (N, lengths)
+    measured = samples.torque[:, 0] / noise
+    squares = measured @ measured - 2.0 * every[:, None] * (measured @ unit) + every[:, None] ** 2 * np.sum(unit**2, 0)
+    cost = squares.min(axis=1)
+    told = cost - cost.min() <= Z95**2
+    assert np.sum(np.diff(told.astype(int)) == 1) == 2  # two parts, by trying every pair of values
+
+    given, fit = found_in(samples)
+    low, high = Profiles(given, fit, curved(fit)).interval(STIFFNESS, 0.0)
+    np.testing.assert_allclose([low, high], [every[told].min(), every[told].max()], atol=3.0)
+
+
 def test_little_doubt_against_the_value_is_stated_symmetrically():
     given, fit = found_in(bending(noise=0.02))
     covariance = curved(fit)

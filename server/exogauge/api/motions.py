@@ -59,11 +59,12 @@ from exogauge.storage.store import Storage, Store
 router = Router(tags=["motions"])
 MOTION = "motion.yaml"
 CHILD = "exogauge.api.opening_capture"
-CAPTURES, SKELETON = (".c3d", ".trc", ".mot", ".sto", ".bvh", ".amc"), ".asf"
+CAPTURES, SKELETON = (".c3d", ".trc", ".tsv", ".csv", ".mvnx", ".mot", ".sto", ".bvh", ".amc"), ".asf"
 SERIES, VERSION = "motion.parquet", "1"
 TEXT = {"type": "string", "maxLength": 200}
 FORM = bundle_schema(
-    "the capture (C3D, TRC, MOT, STO, BVH, or AMC with its ASF), a static trial; or motion.yaml with what it names",
+    "the capture (C3D, TRC, TSV, CSV, MVNX, MOT, STO, BVH, or AMC with its ASF), a static trial; or motion.yaml with "
+    "what it names",
     also={
         "up": {**TEXT, "description": "x, y, z, -x, -y, -z, where the file is silent or wrong"},
         "unit": {**TEXT, "description": "m, cm, mm, in, cmu, where the file is silent or wrong"},

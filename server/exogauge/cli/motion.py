@@ -24,7 +24,7 @@ def add_commands(commands: Commands) -> None:
     motion = commands.add_parser("motion", help="captured motion of a person")
     steps = motion.add_subparsers(dest="step", required=True, metavar="STEP")
     read = steps.add_parser("import", help="read a file of markers or of a skeleton, and say what it is")
-    _add_capture(read, "C3D, TRC, MOT, STO, BVH or AMC")
+    _add_capture(read, "C3D, TRC, TSV, CSV, MVNX, MOT, STO, BVH or AMC")
     read.add_argument("--fill", action="store_true", help="close gaps: short ones by splines, others by rigid segments")
     read.add_argument("--json", action="store_true", help="as JSON")
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
@@ -32,7 +32,7 @@ def add_commands(commands: Commands) -> None:
     read.set_defaults(command=import_motion)
 
     fit = steps.add_parser("fit", help="fit a body to markers or to a skeleton: trunk, hip, knee angles over time")
-    _add_capture(fit, "C3D, TRC, BVH or AMC")
+    _add_capture(fit, "C3D, TRC, TSV, CSV, MVNX, BVH or AMC")
     fit.add_argument("--static", type=Path, metavar="FILE", help="the same person and markers, standing straight")
     fit.add_argument("--json", action="store_true", help="as JSON")
     fit.add_argument("--out", type=Path, metavar="FILE.mot", help="write the angles there, as OpenSim's tables are")
@@ -45,7 +45,7 @@ def add_commands(commands: Commands) -> None:
     robot.set_defaults(command=write_robot)
 
     plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
-    _add_capture(plan, "C3D, TRC, BVH or AMC")
+    _add_capture(plan, "C3D, TRC, TSV, CSV, MVNX, BVH or AMC")
     plan.add_argument("--static", type=Path, metavar="FILE", help="of markers: the same person, standing straight")
     plan.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles, human_map and home")
     plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")

@@ -33,7 +33,7 @@ def add_commands(commands: Commands) -> None:
 
     demo = commands.add_parser("demo", help="evaluate the sample study through the service, and print the result")
     add_realism(demo)
-    capture = "a person's motion (C3D, TRC, BVH, AMC) that the sample's robot plays in place of its own"
+    capture = "a person's motion (C3D, TRC, TSV, CSV, MVNX, BVH, AMC) that the sample's robot plays in place of its own"
     demo.add_argument("--motion", type=Path, metavar="FILE", help=capture)
     demo.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
     demo.add_argument("--to", dest="end", type=float, metavar="S", help="end of what is played of it")

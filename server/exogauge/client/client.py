@@ -186,8 +186,8 @@ class Client:
         self, capture: str | Path, skeleton: str | Path | None = None, static: str | Path | None = None,
         **said: str | None,
     ) -> Motion:  # fmt: skip
-        """A capture (C3D, TRC, MOT, STO, BVH; AMC with its ASF as skeleton). static: of markers, the person standing
-        straight. said: up, unit, angle, subject, map, name, where the file is silent or wrong."""
+        """A capture (C3D, TRC, TSV, CSV, MVNX, MOT, STO, BVH; AMC with its ASF as skeleton). static: of markers, the
+        person standing straight. said: up, unit, angle, subject, map, name, where the file is silent or wrong."""
         given = {"capture": capture, "skeleton": skeleton, "standing": static}
         files = {field: Path(path) for field, path in given.items() if path is not None}
         form = {key: value for key, value in said.items() if value is not None}

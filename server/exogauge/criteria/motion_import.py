@@ -49,6 +49,7 @@ class MotionImport:
     rounded_s: float = 0.00101  # times written to the millisecond stray by one from a line between two of them
     rounded: float = 0.3  # share of a sample that they may; a frame that is lost leaves half of one
     widest_m: float = 10.0  # judgement: markers of no known name that reach farther up are no person's, nor a thing's
+    quaternion: float = 0.01  # judgement: of its length; files write four decimals, other numbers are farther off
     longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 

@@ -53,7 +53,8 @@ class MotionPlan:
     is planned at once decides how much memory it takes. coarse: every so many nodes a plan is begun.
     slowest: times the time that are tried where a motion cannot be had; within: to which the least of it, and the
     largest share of the trunk's angle, are found; each halving is a plan.
-    judged_hz: samples per second that are judged and written.
+    judged_hz: samples per second that are judged and written. told_deg: by which a joint of the trunk is off before it
+    is told what is at its bound there.
     no_bound_rad: so far beyond its range no joint of a table is by rounding, or by a bound a little broken: two such
     make degrees likely. round_rad: by which angles may exceed their range once read as degrees, a degree."""
 
@@ -107,6 +108,7 @@ class MotionPlan:
     slowest: float = 4.0
     within: float = 0.1
     judged_hz: float = 200.0
+    told_deg: float = 1.0  # judgement: what is less is no reason to look for one
     no_bound_rad: float = 1.0
     round_rad: float = 0.02
 

@@ -131,7 +131,7 @@ def reach_of(moving: MotionRobot, robot: Robot, here: Room, asked: Loads, criter
     place = standing(own) if stands else ()
     corners = [sole.outline @ at.rotation.T + at.translation for sole, at in zip(own.soles, place, strict=False)]
     level = stands and float(np.ptp(np.concatenate(corners)[:, 2])) <= criteria.level_m
-    at_root = robot.tree.bodies[0] == moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name
+    at_root = robot.tree.bodies[0] == next(iter(moving.links))
     loaded = level and at_root and _loaded(robot, here, own)
     unknown: list[Bound] = []
     if not pairs.names or moving.shapeless:

@@ -22,9 +22,9 @@ class _Part(BaseModel):
 
 @final
 class CaptureFile(_Part):
-    """motion.yaml. file: C3D, TRC, MOT, STO, BVH or AMC; skeleton: ASF of an AMC; static: the same person and markers,
-    standing straight. up, unit, angle (of turns): where the file is silent or wrong. subject: prefix of one of several
-    people. names: own label or bone -> the name it is known by."""
+    """motion.yaml. file: C3D, TRC, TSV, CSV, MVNX, MOT, STO, BVH or AMC; skeleton: ASF of an AMC; static: the same
+    person and markers, standing straight. up, unit, angle (of turns): where the file is silent or wrong. subject:
+    prefix of one of several people. names: own label or bone -> the name it is known by."""
 
     version: Literal[1] = 1
     name: str = Field(default="", max_length=200)

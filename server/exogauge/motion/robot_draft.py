@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from exogauge.criteria.motion_draft import USUAL
+from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.import_log.robot_draft import draft_robot
@@ -22,8 +23,11 @@ from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
 
 Array = NDArray[np.float64]
-ELBOW, LEFT = re.compile(r"elbow", re.I), re.compile(r"(^|_)l(eft)?(_|$)|^l(?=[A-Z])|left", re.I)
+ELBOW, LEFT = re.compile(r"elbow|(^|_)elb(_|\d|$)", re.I), re.compile(r"(^|_)l(eft)?(_|$)|^l(?=[A-Z])|left", re.I)
 BODY = pin.FrameType.BODY
+UPRIGHT = {"x": "0 -1.570796 0", "-x": "0 1.570796 0", "y": "1.570796 0 0", "-y": "-1.570796 0 0",
+           "-z": "3.141593 0 0"}  # fmt: skip
+"""rpy by which an axis becomes z."""
 
 
 def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list[str]]:
@@ -36,6 +40,7 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
     if len(feet) != 2:
         return _arm(urdf, content)
     look = _Look(urdf, folder, content["base_link"], feet)
+    look.refuse_lying(file)
     faces = "along" if look.ahead > 0.0 else "against"
     told = [f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
     soles = [(foot, look.outline(foot)) for foot in look.feet]
@@ -64,8 +69,8 @@ def _arm(urdf: bytes, content: dict[str, Any]) -> tuple[dict[str, Any], list[str
     content["home"] = {name: round(value, 3) for name, value in home.items() if value}
     content["limits"] = {"acceleration": USUAL.arm_acceleration}
     return content, [
-        "# ? base: bolted down, as no two feet were found (last links of two legs, called sole, foot or ankle): for "
-        "`motion excite`. A robot that stands needs base, base_link, imu, soles, human_map: docs/motion.md",
+        "# ? base: bolted down, as no two feet were found (last links of two legs, called sole, foot, ankle or ank): "
+        "for `motion excite`. A robot that stands needs base, base_link, imu, soles, human_map: docs/motion.md",
         "# ? joints: torques are logged; of currents `actuation: current, prior: {k_T: …}`. Leave out what is still",
         "# ? home: joints at zero, or as near as they may be; put it where no link is near another or the floor",
         "# ? limits: usual ones, not the maker's",
@@ -106,6 +111,22 @@ class _Look:
 
     def place(self, link: str) -> pin.SE3:
         return self.data.oMf[self.model.getFrameId(link, BODY)]
+
+    def refuse_lying(self, file: str) -> None:
+        """Raises BadRobot where both legs hang along another axis than z: gravity would pull along it."""
+        hangs = [self.data.oMi[self.chain(self.frame(foot).parentJoint)[0]].translation - self.place(foot).translation
+                 for foot in self.feet]  # fmt: skip
+        along = np.mean([each / np.linalg.norm(each) for each in hangs], axis=0)
+        k = int(np.abs(along).argmax())
+        axis = ("-" if along[k] < 0.0 else "") + "xyz"[k]
+        if axis == "z" or abs(along[k]) < USUAL.hangs:
+            return
+        raise BadRobot(Fault(
+            f"with all joints at zero {axis} of {self.base_link} points up, and z has to", "not_upright",
+            f'Put a link of its own above it: <link name="upright"/> <joint name="to_upright" type="fixed"><parent '
+            f'link="upright"/><child link="{self.base_link}"/><origin rpy="{UPRIGHT[axis]}"/></joint>',
+            file, column=self.base_link, value=axis,
+        ))  # fmt: skip
 
     def chain(self, joint: int) -> list[int]:
         """Joints from the base to this one, the base's own left out."""
@@ -257,10 +278,8 @@ def arms_aside(robot: MotionRobot, clearance_m: float) -> dict[str, float]:
 
 def _carried(robot: MotionRobot, link: str) -> set[str]:
     """Links that the joint of this one moves."""
-    model, joint = robot.model, robot.model.frames[robot.frame(link)].parentJoint
-    return {
-        str(each.name) for each in model.frames if each.type == BODY and joint in list(model.supports[each.parentJoint])
-    }
+    joint = robot.links[link]
+    return {name for name, moved in robot.links.items() if joint in list(robot.model.supports[moved])}
 
 
 def corners(shape: Shape) -> list[Array]:

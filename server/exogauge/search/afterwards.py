@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from exogauge.criteria.criteria import Criteria
+from exogauge.effects.order import about
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
@@ -22,6 +23,7 @@ from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.settings import Recording
 from exogauge.search.best_shapes import as_added
 from exogauge.search.candidates import Candidate, grid
+from exogauge.search.declared import explained
 from exogauge.search.doubt import parameters
 from exogauge.search.refine import broadly, climbed, closely
 from exogauge.search.residual_correction import held_out_rmse
@@ -46,9 +48,16 @@ def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
     return search, ()
 
 
+def has_joined(search: Search) -> bool:
+    """Whether anything that is named begins with the log that joined, or sits in it: what was found there may have been
+    taken back since."""
+    number = search.problem.only
+    return number is not None and any(about(e.added.effect.shapes, e.added.shape, number) for e in search.steps)
+
+
 def odd_logs(search: Search) -> Iterator[Recording]:
-    """Held-out ones, in the order of the study, in which some channel errs more than noise and more than where it was
-    fitted."""
+    """Held-out ones, in the order of the study, in which some channel errs more than noise, more than where it was
+    fitted, and more than the declared uncertainties of the measurement explain of that log alone."""
     problem = search.problem
     order, criteria = problem.base.model.order, problem.settings.criteria
     fits = search.current.validation
@@ -56,8 +65,15 @@ def odd_logs(search: Search) -> Iterator[Recording]:
               for fit in fits}  # fmt: skip
     for recording in sorted(problem.recordings, key=lambda each: order.get(each.log.name, -1)):
         own = [fit for fit in fits if fit.log == recording.log.name and fit.rmse_moving is not None]
-        if recording.held_out and any(_is_odd(fit, fitted[fit.channel], criteria) for fit in own):
+        odd = [fit.channel for fit in own if recording.held_out and _is_odd(fit, fitted[fit.channel], criteria)]
+        if odd and not _declared(search, recording, odd):
             yield recording
+
+
+def _declared(search: Search, recording: Recording, channels: Sequence[str]) -> bool:
+    """Whether what was declared explains all that stands above the noise of these channels in this log."""
+    known = explained(search.current, search.last, search.problem.recordings, {recording.log.name})
+    return all(known.get(channel, False) for channel in channels)
 
 
 def _is_odd(fit: ChannelFit, fitted: float, criteria: Criteria) -> bool:

@@ -76,52 +76,58 @@ def lay_ground(
 ) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones. only: number of the log that candidates must
     begin with, or sit in. at: the only place that is tried."""
-    fitted = Sums()
-    numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
-    everywhere = {site: _all_at(model, site, effects, numbers, only) for site in sites(model) if at in (None, site)}
-    everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
-    shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
-    residuals: list[LogResiduals] = []
+    tried = candidates_at(model, recordings, effects, only, at)
     order = sorted(recordings, key=lambda each: each.held_out)
-
-    def of_log(recording: Recording) -> tuple[dict[Site, set[str]], Sums, LogResiduals]:
-        prepared, sums = model.prepare(recording.log), Sums()
-        axes = [site for site in sites(model) if isinstance(site, AxisSite)]
-        needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
-        seen = seen_by(model, prepared, needed)
-        sought = () if recording.held_out else everywhere
-        applying = {site: _applying(everywhere[site], seen[site]) for site in sought}
-
-        moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
-        kinds = {site: site.kinds(model.equations) for site in sought}
-        left, rows = rows_of(model, prepared, {kind for own in kinds.values() for kind in own})
-        for site in sought:  # no two sites' columns are held at once, nor what one has computed to see its own
-            sums.take(site, kinds[site], columns_of(everywhere[site], seen.pop(site), prepared, len(kinds[site])), rows)
-        time = recording.log.time[prepared.kept] - recording.log.time[0]
-        return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
-
-    for number, (applying, sums, left) in enumerate(side_by_side(of_log, order)):
+    shown: dict[Site, set[str]] = {site: set() for site in tried}  # effects that some fitted log can show
+    sums, residuals = Sums(), list[LogResiduals]()
+    for number, (applying, own, left) in enumerate(side_by_side(lambda each: pass_over(model, each, tried), order)):
         tick(number / len(order), Doing.TRYING_EFFECTS, left.log)
-        fitted.join(sums)
+        sums.join(own)
         residuals.append(left)
         for site, names in applying.items():
             shown[site] |= names
     baseline = Baseline(model, {kind: _memory(residuals, kind) for kind in range(len(model.equations.layout))})
-    tried = {
-        site: [each for each in candidates if each.effect.name in shown[site]]
-        for site, candidates in everywhere.items()
-    }
-    scored = side_by_side(
-        lambda site: list(score_all(baseline, everywhere[site], fitted.by_site[site])), fitted.by_site
-    )
+    can_be = {site: [each for each in own if each.effect.name in shown[site]] for site, own in tried.items()}
     scores = [
-        each
-        for site, found in zip(fitted.by_site, scored, strict=True)
-        for each in found
-        if each.gain > 0.0 and each.candidate.effect.name in shown[site]
+        each for each in ranked(baseline, tried, sums) if each.candidate.effect.name in shown[each.candidate.site]
     ]
-    ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
-    return Ground(baseline, tried, tuple(residuals), ranked)
+    return Ground(baseline, can_be, tuple(residuals), tuple(scores))
+
+
+def candidates_at(
+    model: RobotModel, recordings: Sequence[Recording], effects: Sequence[Effect], only: int | None, at: Site | None
+) -> Mapping[Site, Sequence[Candidate]]:
+    """Every place that any of these effects may be added at."""
+    numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
+    every = {site: _all_at(model, site, effects, numbers, only) for site in sites(model) if at in (None, site)}
+    return {site: candidates for site, candidates in every.items() if candidates}
+
+
+def pass_over(
+    model: RobotModel, recording: Recording, tried: Mapping[Site, Sequence[Candidate]]
+) -> tuple[Mapping[Site, set[str]], Sums, LogResiduals]:
+    """Of one log: site -> effects that it can show; sums of the candidates' columns, none of them if it is held out;
+    and what is left."""
+    prepared, sums = model.prepare(recording.log), Sums()
+    axes = [site for site in sites(model) if isinstance(site, AxisSite)]
+    needed = axes if recording.held_out else [*axes, *(site for site in tried if site not in axes)]
+    seen = seen_by(model, prepared, needed)
+    sought = () if recording.held_out else tried
+    applying = {site: _applying(tried[site], seen[site]) for site in sought}
+
+    moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
+    kinds = {site: site.kinds(model.equations) for site in sought}
+    left, rows = rows_of(model, prepared, {kind for own in kinds.values() for kind in own})
+    for site in sought:  # no two sites' columns are held at once, nor what one has computed to see its own
+        sums.take(site, kinds[site], columns_of(tried[site], seen.pop(site), prepared, len(kinds[site])), rows)
+    time = recording.log.time[prepared.kept] - recording.log.time[0]
+    return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
+
+
+def ranked(baseline: Baseline, tried: Mapping[Site, Sequence[Candidate]], sums: Sums) -> list[Score]:
+    """Those that gain anything, best first. sums: of their columns over all fitted logs."""
+    every = (each for site, own in sums.by_site.items() for each in score_all(baseline, tried[site], own))
+    return sorted((each for each in every if each.gain > 0.0), key=lambda each: -each.evidence)
 
 
 def _all_at(

@@ -25,6 +25,7 @@ from exogauge.support.band_model import (
     Belief,
     Fitted,
     Layout,
+    Reached,
     Setting,
     Wear,
     at,
@@ -130,8 +131,12 @@ def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:
     """Of several, downhill from each on few samples."""
     if len(begin) == 1:
         return begin[0]
-    few = thinned(setting)
-    return min((lowest(few, _with_best_stiffness(few, each)) for each in begin), key=lambda each: each.cost).wear
+    return min(downhill(thinned(setting), begin), key=lambda each: each.cost).wear
+
+
+def downhill(setting: Setting, begin: Sequence[Wear]) -> list[Reached]:
+    """Where each start ends."""
+    return [lowest(setting, _with_best_stiffness(setting, each)) for each in begin]
 
 
 def starts(plan: Layout, wires: Sequence[Wire], laws: tuple[Added, ...]) -> list[Wear]:

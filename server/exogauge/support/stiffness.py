@@ -27,13 +27,14 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
-from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
+from exogauge.support.band_fit import BandFit, NamedBands, downhill, fit_beside, fit_device, involved, starts
 from exogauge.support.band_model import (
     LENGTH_DOUBT,
     NULL,
     STIFFNESS_DOUBT,
     Fitted,
     Layout,
+    Reached,
     Setting,
     at_bounds,
     fit,
@@ -404,6 +405,14 @@ class Profiles:
         few = thinned(self.setting)
         return few, fit(few, self.fitted.wear)
 
+    @cached_property
+    def _elsewhere(self) -> list[Reached]:
+        """Where the fit ends if bands come taut earlier or later than it has them: harder and later is nearly alike."""
+        few, coarse = self._coarse
+        layout = coarse.wear.layout
+        begin = starts(layout, few.wires[: len(layout.natural_length)], coarse.wear.effects)
+        return downhill(few, [replace(coarse.wear, springs=each.springs) for each in begin])
+
     def _walked(self, index: int, value: float, std: float) -> tuple[float, float]:
         few, coarse = self._coarse
         reach = 12.0  # standard deviations within which the ends of a profile are sought
@@ -411,7 +420,9 @@ class Profiles:
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
         shift = value - float(coarse.wear.springs[index])
-        reached = {value: coarse.wear}
+        also = [each.wear for each in self._elsewhere if share * (each.cost - coarse.cost) <= Z95**2]
+        reached = {float(wear.springs[index]) + shift: wear for wear in also} | {value: coarse.wear}
+        first, last = min(reached), max(reached)
 
         @cache  # both ends, and both of a search for either, ask for the same values again
         def excess(candidate: float) -> float:
@@ -426,11 +437,12 @@ class Profiles:
 
         low, high = value - Z95 * std, value + Z95 * std
         straight = 0.2 * Z95**2  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
-        if low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
+        alone = low <= first and last <= high
+        if alone and low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
             return low, high
         return (
-            _crossing(excess, value, -Z95 * std, max(SHORTEST, value - reach * std)) or 0.0,
-            _crossing(excess, value, Z95 * std, value + reach * std) or np.inf,
+            _crossing(excess, first, -Z95 * std, max(SHORTEST, first - reach * std)) or 0.0,
+            _crossing(excess, last, Z95 * std, last + reach * std) or np.inf,
         )
 
 

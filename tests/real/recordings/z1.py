@@ -33,7 +33,7 @@ def write(folder: Path) -> None:
 
 
 def logged(folder: Path, name: str) -> np.ndarray:
-    return pq.read_table(folder / LOG).column(name).to_numpy().astype(float)
+    return np.asarray(pq.read_table(folder / LOG).column(name).to_numpy(), dtype=float)
 
 
 def commanded(folder: Path) -> dict[str, np.ndarray]:

@@ -33,10 +33,7 @@ def task_of(
     """known: (P, P) information before, where there is more than the maker's. Raises BadRobot."""
     order = np.array([moving.joints.index(joint.name) for joint in robot.joints], dtype=np.intp)
     stance = Standing(moving, criteria) if robot.floating else Fixed(moving)
-    if (
-        robot.floating
-        and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name
-    ):
+    if robot.floating and robot.tree.bodies[0] != next(iter(moving.links)):
         raise BadRobot(Fault("the base link is not the URDF's root", "base_not_root", "Name the root", moving.name))
     limits = moving.limits
     for name, fast in zip(moving.joints, limits.velocity, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,9 +19,11 @@ from exogauge.motion.sides import DOUBT, WHY, exchanged
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
+FORMATS = "C3D, TRC, TSV of Qualisys, CSV of Motive or Nexus, MVNX, MOT, STO, BVH or AMC"
+TABLES = (".csv", ".tsv", ".txt")
 ELSEWHERE = {
-    ".csv .tsv .txt .tsx": "Vicon, OptiTrack and Qualisys export C3D of the same take",
-    ".mvnx .mvn": "Xsens MVN exports BVH and C3D of the same take",
+    ".mvn": "Xsens MVN exports MVNX and BVH of the same take",
+    ".v .xlsx .xls .ods": "Vicon, OptiTrack and Qualisys export C3D of the same take",
     ".fbx .glb .gltf .dae .usd .usda": "Blender, MotionBuilder and Maya export its skeleton as BVH",
     ".npz .npy .pkl .mat .json": "Write its joints as BVH, or its markers as TRC",
     ".tak .qtm .trb .vsk .x1d .x2d .cap .anb .trak": "Its program exports C3D",
@@ -34,7 +37,8 @@ def open_motion(
     path: Path, *, skeleton: Path | None = None, up: str | None = None, unit: str | None = None,
     angle: str | None = None, subject: str | None = None, names: Mapping[str, str] | None = None,
 ) -> HumanMotion:  # fmt: skip
-    """C3D, TRC, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises BadMotion.
+    """C3D, TRC, tables of Qualisys, Motive and Nexus, MVNX, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises
+    BadMotion.
 
     up: x, y, z or -x, -y, -z, unit: m, cm, mm, in or cmu, angle: deg or rad, where the file is silent or wrong.
     subject: the prefix of one of several people. names: own label or bone -> the name it is known by. `told`: format,
@@ -48,7 +52,7 @@ def open_motion(
         head = stream.read(512)
     try:
         captured = _read(path, head, skeleton, angle)
-    except (ValueError, IndexError, KeyError, OverflowError) as problem:  # what no rule of a reader foresaw
+    except (ValueError, IndexError, KeyError, OverflowError, csv.Error) as problem:  # what no rule of a reader foresaw
         detail = f"the file is damaged: {problem}"
         raise fault(path, detail, "damaged", "Export it again, from the program that captured it") from problem
     if isinstance(captured, HumanMotion):
@@ -76,12 +80,20 @@ def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> 
         from exogauge.motion.files.bvh import read_bvh
 
         return read_bvh(path, angle)
+    if kind in TABLES:
+        from exogauge.motion.files.marker_tables import read_table
+
+        return read_table(path)
+    if kind == ".mvnx":
+        from exogauge.motion.files.mvnx import read_mvnx
+
+        return read_mvnx(path)
     if kind == ".amc":
         from exogauge.motion.files.acclaim import read_amc
 
         return read_amc(path, skeleton, angle)
     beside = next((f". {advice}" for kinds, advice in ELSEWHERE.items() if kind in kinds.split()), "")
-    raise fault(path, "no such format of motion is known", "unknown_format", f"C3D, TRC, MOT, STO, BVH or AMC{beside}",
+    raise fault(path, "no such format of motion is known", "unknown_format", f"{FORMATS}{beside}",
                 value=path.suffix or None)  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.written import STANDS
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.csv_table import csv_table
 
 PLACES = 8  # decimals: a ten-thousandth of what an encoder tells
@@ -49,7 +50,8 @@ def summarise(
             if not planned.rounds
             else (
                 f"{wanted_of_it}; given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
-                f"{np.abs(within).max():.2g}° at most where it bears them; "
+                f"{np.abs(within).max():.2g}° at most where it bears them"
+                f"{_binds(robot, planned, judged, np.where(outside, 0.0, off[:, k]))}; "
                 f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
             )
         )
@@ -63,6 +65,30 @@ def summarise(
         lifted = f"the person lifts one in {lifts:.2g} % of frames, the robot in {ups:.2g} % of nodes"
         said["feet that stand"] = f"{lifted}, and puts it down where it was" if lifts else "both throughout"
     return said | margins(robot, judged)
+
+
+def _binds(robot: MotionRobot, planned: Planned, judged: Judged, off: NDArray[np.float64]) -> str:
+    """What is at its bound where a joint of the trunk is farthest from what is asked, off: (N,) [°]."""
+    worst = int(np.abs(off).argmax())
+    if abs(off[worst]) < USUAL.told_deg:
+        return ""
+    when = worst * planned.spline.step
+    q, v, a = (each[0] for each in planned.spline.at(np.array([when])))
+    now, own = int(np.abs(judged.time - when).argmin()), robot.base + np.array(robot.torso)
+    limits, torso = robot.limits, np.array(robot.torso)
+    shares = [("torque", judged.torque[now] / limits.torque, range(len(robot.joints))),
+              ("velocity", v[own] / limits.velocity[torso], robot.torso),
+              ("acceleration", a[own] / limits.acceleration[torso], robot.torso)]  # fmt: skip
+    full = [f"{what} of {robot.joints[j]} is at {100 * abs(x):.0f} %" for what, share, joints in shares
+            for j, x in zip(joints, share, strict=True) if abs(x) > USUAL.kept - 2.0 * USUAL.more_kept]  # fmt: skip
+    pairs = Pairs(robot, USUAL.clearance_m)
+    near = pairs.near(q[None], USUAL.apart_m + USUAL.clearance_m / 10.0)
+    full += [f"{' and '.join(pairs.names[p])} are {1e3 * d:.1f} mm apart" for p, d in
+             zip(near.pair.tolist(), near.distance, strict=True)
+             if pairs.levers[p, own].any()]  # fmt: skip
+    if judged.inside[now] < USUAL.margin_m + USUAL.clearance_m / 10.0:
+        full.append(f"the centre of pressure is {1e3 * judged.inside[now]:.0f} mm inside")
+    return f", most at {when:.2f} s" + (f", where {', '.join(full)}" if full else "")
 
 
 def slow(angles: NDArray[np.float64], step: float, smooth_hz: float) -> NDArray[np.float64]:

@@ -18,6 +18,8 @@ from exogauge.robots.moving.touching import Near, Pairs
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
+Watched = dict[tuple[str, float], NDArray[np.bool_]]
+"""By kind and sign of a bound, (nodes, J) where it was near."""
 
 
 @final
@@ -218,9 +220,13 @@ def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, crit
 
 def bounds(
     robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, used: Shares, pairs: Pairs,
-    criteria: MotionPlan,
+    criteria: MotionPlan, watched: Watched,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
-    """G x ≤ h, each row with its node's slack: what `used` has near its bound, friction, pressure, weight."""
+    """G x ≤ h, each row with its node's slack: what `used` has near its bound, friction, pressure, weight.
+
+    watched: rates, accelerations and jerks that were near their bounds in a round before; written to. They stay: a
+    jerk that is left out of one round is broken by it, and the rounds come to no end.
+    """
     N, n, F, h = len(slope.torque), robot.model.nq, len(robot.soles), spline.step
     rows = Rows(n + 6 * F + 1, N + 2)
     every, slack = np.arange(n), np.array([n + 6 * F])
@@ -228,18 +234,20 @@ def bounds(
     joints = robot.base + np.arange(len(robot.joints))
     limits, kept = robot.limits, criteria.kept
 
-    def chain(share: Array, bound: Array, weights: tuple[float, ...], sign: float) -> None:
-        """Differences of control points that are near their bound (J,)."""
-        k, j = (each.astype(np.intp) for each in np.nonzero(sign * share > criteria.near))
+    def chain(what: str, bound: Array, weights: tuple[float, ...], sign: float) -> None:
+        """Differences of control points that are or were near their bound (J,)."""
+        near = sign * getattr(used, what) > criteria.near
+        watched[what, sign] = near = near | watched.get((what, sign), near)
+        k, j = (each.astype(np.intp) for each in np.nonzero(near))
         top = (sign / (kept * bound[j]))[:, None]
         parts = [(k + m, joints[j][:, None], top * w) for m, w in enumerate(weights)]
         spare = np.clip(k + len(weights) // 2, 1, N)
         rows.add([*parts, (spare, slack, -np.ones((len(k), 1)))], np.ones(len(k)))
 
     for sign in (1.0, -1.0):
-        chain(used.rate, h * limits.velocity, (-1.0, 1.0), sign)
-        chain(used.fast, h**2 * limits.acceleration, (1.0, -2.0, 1.0), sign)
-        chain(used.jerk, h**3 * criteria.calm * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
+        chain("rate", h * limits.velocity, (-1.0, 1.0), sign)
+        chain("fast", h**2 * limits.acceleration, (1.0, -2.0, 1.0), sign)
+        chain("jerk", h**3 * criteria.calm * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
         k, j = (each.astype(np.intp) for each in np.nonzero(sign * used.torque > criteria.near))
         top = sign / (kept * limits.torque[j])[:, None]
         by = [each[k, joints[j]] * top for each in (slope.by_q, slope.by_v, slope.by_a)]

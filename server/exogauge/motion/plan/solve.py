@@ -17,7 +17,7 @@ from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
 from exogauge.motion.plan.clear import cleared
-from exogauge.motion.plan.rows import bounds, equations, shares, slopes
+from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
@@ -196,6 +196,7 @@ def _settle(
     kept = nearest = spline, wrench, excess  # of the round before; of the one that lacks least
     lacked = np.inf
     least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
+    watched = Watched()
     whole = ((0.0, float(asked.time[-1])),)
     while True:
         slope = slopes(robot, asked, spline, wrench)
@@ -227,7 +228,7 @@ def _settle(
             missed, last = wrong, size
         kept = spline, wrench, excess
         A, b = equations(robot, asked, spline, wrench, slope, ends.first, ends.led, ends.last)
-        G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria)
+        G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria, watched)
         stages = np.zeros((N + 2, wide))
         stages[:, :n] = spline.control
         near = still / criteria.pelvis_m**2 * ours

@@ -84,7 +84,13 @@ class MotionRobot:
 
     def frame(self, link: str) -> int:
         """Index of a link's frame in the model."""
-        return int(self.model.getFrameId(link, pin.FrameType.BODY))
+        return frame_of(self.model, link)
+
+    @cached_property
+    def links(self) -> dict[str, int]:
+        """Joints that move them, by name; the root first."""
+        bodies = [each for each in self.model.frames if each.type == pin.FrameType.BODY]
+        return {each.name.removeprefix(LINK): each.parentJoint for each in bodies}
 
     def leg(self, foot: int) -> NDArray[np.intp]:
         """Columns of `model`'s q that move the foot and not the base."""
@@ -117,11 +123,19 @@ class MotionRobot:
     def chain(self, below: Segment, above: Segment) -> tuple[int, ...]:
         """Indices in `joints` of those that move `above` and not `below`."""
         model = self.model
-        there = [model.frames[model.getFrameId(self.segments[each])].parentJoint for each in (below, above)]
+        there = [model.frames[self.frame(self.segments[each])].parentJoint for each in (below, above)]
         moves = [list(model.supports[joint]) for joint in there]
         return tuple(
             self.joints.index(model.names[joint]) for joint in moves[1] if joint not in moves[0] and joint > self.base
         )
+
+
+LINK = "link "  # before the names of links in a model: pinocchio takes none that is also a joint's, or `base`
+
+
+def frame_of(model: pin.Model, link: str) -> int:
+    """Index of a link's frame in a `flat_model`."""
+    return int(model.getFrameId(LINK + link, pin.FrameType.BODY))
 
 
 def flat_model(urdf: str, joints: Sequence[str], floating: bool) -> pin.Model:
@@ -132,6 +146,9 @@ def flat_model(urdf: str, joints: Sequence[str], floating: bool) -> pin.Model:
     coordinates add up, and only a robot that lies on its side (roll 90°) is singular.
     """
     whole = pin.buildModelFromXML(_with_ends(urdf))
+    for each in whole.frames:
+        if each.type == pin.FrameType.BODY:
+            each.name = LINK + each.name
     held = [k for k in range(1, whole.njoints) if whole.names[k] not in joints]
     model = pin.buildReducedModel(whole, held, pin.neutral(whole)) if held else whole
     if not floating:

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
-from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot, frame_of
 from exogauge.robots.moving.standing import standing
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ class Standing:
         beside = [k for k in range(1, robot.model.njoints) if robot.model.joints[k].idx_q not in self.moves]
         self.model = pin.buildReducedModel(robot.model, beside, self.home)
         self.data = self.model.createData()
-        self.frames = [self.model.getFrameId(sole.link) for sole in robot.soles]
+        self.frames = [frame_of(self.model, sole.link) for sole in robot.soles]
         self.base = slice(robot.base)
         self.legs: list[IntArray] = [np.searchsorted(self.moves, leg).astype(np.intp) for leg in legs]
         self._last: dict[int, tuple[Array, Array]] = {}  # of as many samples, to go on from: q, and slopes by the base

@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.description import Robot
 from exogauge.robots.joint_limits import JointLimits
-from exogauge.robots.moving.robot import Kind, MotionRobot, Shape, Sole, flat_model
+from exogauge.robots.moving.robot import LINK, Kind, MotionRobot, Shape, Sole, flat_model
 from exogauge.robots.moving.segments import Segment
 from exogauge.robots.urdf_check import numbers, read_urdf
 from exogauge.studies.intake.contract import RobotFile, ShapeEntry
@@ -39,7 +39,7 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     base = 6 if robot.floating else 0
     joints = tuple(list(model.names)[1 + base :])
     order = [tree.joints.index(name) for name in joints]
-    links = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+    links = {frame.name.removeprefix(LINK) for frame in model.frames if frame.type == pin.FrameType.BODY}
     parts = set(get_args(Segment))
 
     def fault(detail: str, rule: str, advice: str, column: str, value: str) -> BadRobot:

@@ -9,7 +9,7 @@ import { ProblemBox } from "../../parts/ProblemBox";
 const AXES = ["x", "y", "z", "-x", "-y", "-z"];
 const UNITS = ["m", "cm", "mm", "in", "cmu"];
 const ANGLES = ["deg", "rad"];
-const CAPTURE = /\.(c3d|trc|mot|sto|bvh|amc)$/i;
+const CAPTURE = /\.(c3d|trc|tsv|csv|mvnx|mot|sto|bvh|amc)$/i;
 
 type Said = { name: string; up: string | null; unit: string | null; angle: string | null; static: string | null; map: string | null };
 const NOTHING: Said = { name: "", up: null, unit: null, angle: null, static: null, map: null };
@@ -34,8 +34,8 @@ export function HandInMotion() {
   return (
     <Stack gap="sm">
       <DropFiles title="Hand in a capture" choose="Choose files" take={take} busy={add.isPending}>
-        Drop one capture: <Code>.c3d</Code> or <Code>.trc</Code> of markers, <Code>.bvh</Code> of a skeleton, <Code>.amc</Code> with its{" "}
-        <Code>.asf</Code>; of markers a static trial may come along.
+        Drop one capture: <Code>.c3d</Code>, <Code>.trc</Code>, <Code>.tsv</Code> of Qualisys or <Code>.csv</Code> of Motive or Nexus with markers;{" "}
+        <Code>.bvh</Code>, <Code>.mvnx</Code> or <Code>.amc</Code> with its <Code>.asf</Code> of a skeleton; of markers a static trial may come along.
       </DropFiles>
       {add.error && files && (
         <>

@@ -59,7 +59,7 @@ export function PlanList({ title, of }: { title: string; of: { motion_id?: strin
 function NoMotions() {
   return (
     <Empty title="No motions yet">
-      <Text>Drop a capture above: C3D or TRC of markers, BVH or AMC of a skeleton.</Text>
+      <Text>Drop a capture above: C3D, TRC, TSV or CSV of markers, BVH, MVNX or AMC of a skeleton.</Text>
     </Empty>
   );
 }

@@ -43,6 +43,7 @@ export const TOLD: Record<string, string> = {
   feet: "Feet",
   unknown: "Of no known part",
   left_out: "Left out",
+  measured: "Measured",
   far_away: "Beyond any room",
   duplicates: "Named twice",
   renamed: "Names taken",

@@ -1,0 +1,122 @@
+"""Tables of markers over time: whatever the header is like, the rows are read alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_import import USUAL
+from exogauge.motion.files.captured import Captured, fault, number
+
+Array = NDArray[np.float64]
+Rows = Sequence[tuple[int, str]]
+GAP = ("", "NULL")
+
+
+@final
+@dataclass(frozen=True)
+class Table:
+    """What a header says. first: the column of each marker's x, before its y and z. wide: columns that rows have.
+
+    rate: [Hz] if it is said; time, frame: columns, or None. stated: how many rows are announced, with the row and the
+    key that say so.
+    """
+
+    format: str
+    labels: tuple[str, ...]
+    first: tuple[int, ...]
+    wide: int
+    separator: str
+    unit: float | None
+    rate: float | None = None
+    rate_at: tuple[int, str] = (1, "rate")
+    time: int | None = None
+    frame: int | None = None
+    stated: tuple[str, int, str] | None = None
+    told: Mapping[str, str] = field(default_factory=dict)
+
+
+def points_of(path: Path, table: Table, rows: Rows) -> Captured:
+    """The markers of all rows. A point that is left empty, or at 0 0 0 exactly, was not seen."""
+    if table.stated is not None and table.stated[0] != str(len(rows)):
+        said, row, key = table.stated
+        raise fault(path, f"{len(rows)} frames are there and {said or 'none'} announced", "frame_count",
+                    "The file was cut off, or joined of two: export it again", row=row, column=key,
+                    value=said or None)  # fmt: skip
+    columns = [k + axis for k in table.first for axis in range(3)]
+    position = np.empty((len(rows), len(columns)))
+    clock = table.time if table.time is not None else table.frame
+    time = np.arange(len(rows), dtype=np.float64)
+    for t, (row, line) in enumerate(rows):
+        cells = _cells(path, table, row, line, last=t + 1 == len(rows))
+        if clock is not None:
+            time[t] = number(path, cells[clock], row, "Time" if clock == table.time else "Frame")
+        try:
+            position[t] = [float(cells[k]) if cells[k] else np.nan for k in columns]
+        except ValueError:
+            for j, k in enumerate(columns):
+                named = f"{table.labels[j // 3]} {'xyz'[j % 3]}"
+                position[t, j] = np.nan if cells[k].strip() in GAP else number(path, cells[k], row, named)
+    if table.frame is not None:
+        _no_frame_lost(path, table, rows)
+    points = position.reshape(len(rows), len(table.labels), 3)
+    _whole(path, table, rows, points)
+    points[(points == 0.0).all(axis=2)] = np.nan
+    return Captured(table.format, _times(path, table, time), table.unit, None, table.labels, points, told=table.told)
+
+
+def _cells(path: Path, table: Table, row: int, line: str, last: bool) -> list[str]:
+    """As many as are needed; empty ones at the end of a line are taken off by editors."""
+    cells = line.split(table.separator)
+    short = table.wide - len(cells)
+    if short > 0 and short % 3 == 0 and not last and all(len(text.split()) < 2 for text in cells):
+        cells += [""] * short
+    if len(cells) < table.wide or any(text.strip() for text in cells[table.wide :]):
+        advice = "Every row holds x, y, z of every marker" + (
+            "; decimal commas are taken for the end of a cell" if table.separator == "," else ", between separators"
+        )
+        raise fault(path, f"{len(cells)} cells for {table.wide} columns", "row_length", advice, row=row)
+    return cells
+
+
+def _whole(path: Path, table: Table, rows: Rows, points: Array) -> None:
+    """Raises BadMotion where a point is there by a part of its coordinates, or one is infinite."""
+    gap = np.isnan(points)
+    odd = np.isinf(points) | (gap != gap.all(axis=2, keepdims=True))
+    if odd.any():
+        t, m, axis = (int(each) for each in np.argwhere(odd)[0])
+        value, column = points[t, m, axis], f"{table.labels[m]} {'xyz'[axis]}"
+        if np.isinf(value):
+            number(path, f"{value:g}", rows[t][0], column)
+        raise fault(path, "of this point a part of the coordinates is there", "half_a_point",
+                    "Leave all three empty where it was not seen", row=rows[t][0], column=column)  # fmt: skip
+
+
+def _no_frame_lost(path: Path, table: Table, rows: Rows) -> None:
+    frames = [number(path, line.split(table.separator)[table.frame or 0], row, "Frame") for row, line in rows]
+    steps = np.diff(frames)
+    if len(steps) and (steps != steps[0]).any():
+        k = int(np.argmax(steps != steps[0])) + 1
+        raise fault(path, f"frame {frames[k - 1] + steps[0]:g} is missing", "frame_lost", "Cut where frames are lost",
+                    row=rows[k][0], column="Frame", value=f"{frames[k]:g}")  # fmt: skip
+
+
+def _times(path: Path, table: Table, time: Array) -> Array:
+    """[s]; what the header says of the rate and what the rows say agree."""
+    row, key = table.rate_at
+    rate = table.rate or 0.0
+    if table.time is None:
+        if not rate > 0.0:
+            raise fault(path, "neither a rate nor times are there", "no_rate", "Export it with its times", row=row,
+                        column=key, value=f"{rate:g}")  # fmt: skip
+        return time / rate
+    runs = (len(time) - 1) / (time[-1] - time[0]) if len(time) > 1 and time[-1] > time[0] else 0.0
+    if min(rate, runs) > 0.0 and abs(rate / runs - 1.0) > USUAL.same_rate:
+        raise fault(path, f"{key} says {rate:g} frames a second, Time {runs:g}", "two_rates",
+                    f"Time is in seconds: correct it, or {key}", row=row, column=key, value=f"{rate:g}")  # fmt: skip
+    return time

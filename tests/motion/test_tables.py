@@ -1,0 +1,227 @@
+"""One motion in the tables of other programs, and tables that are wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.motion.tables import SEGMENTS, motive, mvnx, nexus, qualisys
+from tests.motion.test_reading import LABELS, body
+from tests.motion.test_recorded import captured  # noqa: F401 a fixture
+
+from exogauge.errors import BadMotion, Fault
+from exogauge.motion.contacts import with_contacts
+from exogauge.motion.files import open_motion
+from exogauge.motion.person import person_of
+
+WRITERS = {
+    "a.tsv": qualisys,
+    "b.tsv": lambda points, labels: qualisys(points, labels, gap="NULL", head=False),
+    "c.tsv": lambda points, labels: qualisys(points, labels, gap="0.000"),
+    "d.csv": motive,
+    "e.csv": lambda points, labels: motive(points, labels, unit="Meters", beside=False),
+    "f.csv": nexus,
+    "g.txt": lambda points, labels: nexus(points, labels, separator="\t", beside=False),
+    "h.csv": lambda points, labels: nexus(points, labels, separator=";"),
+}
+
+
+def _file(folder: Path, name: str, text: str) -> Path:
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def _refused(path: Path) -> Fault:
+    with pytest.raises(BadMotion) as found:
+        open_motion(path)
+    fault = found.value.faults[0]
+    assert fault.file == path.name
+    assert fault.advice
+    return fault
+
+
+@pytest.mark.parametrize("name", list(WRITERS))
+def test_a_motion_comes_back_from_every_table(tmp_path: Path, name: str) -> None:
+    there = body(40)
+    there[5:9, 2] = np.nan
+    there[-2:, -1] = np.nan
+    motion = open_motion(_file(tmp_path, name, WRITERS[name](there, LABELS)))
+    assert motion.markers is not None
+    assert motion.markers.labels == LABELS
+    assert motion.rate == pytest.approx(120.0 if name in ("d.csv", "e.csv") else 100.0, rel=1e-3)
+    assert motion.markers.position == pytest.approx(there, abs=1e-6, nan_ok=True)
+
+
+@pytest.mark.parametrize("name", list(WRITERS))
+def test_what_was_recorded_is_the_same_in_every_table(captured, tmp_path: Path, name: str) -> None:  # noqa: F811
+    """The markers of a C3D file, its gaps, feet and sides."""
+    there = open_motion(captured("mocap_c3d/squat.c3d"))
+    assert there.markers is not None
+    kept = [k for k, label in enumerate(there.markers.labels) if label in there.markers.segment]
+    labels, points = tuple(there.markers.labels[k] for k in kept), there.markers.position[:600, kept]
+    motion = with_contacts(open_motion(_file(tmp_path, name, WRITERS[name](points, labels))))
+    assert motion.markers is not None
+    assert motion.markers.segment == {label: there.markers.segment[label] for label in labels}
+    assert motion.markers.position == pytest.approx(points, abs=1e-6, nan_ok=True)
+    assert motion.contacts is not None
+
+
+def test_rigid_bodies_and_what_has_no_label_are_told_and_are_no_markers(tmp_path: Path) -> None:
+    there = body(6)
+    told = open_motion(_file(tmp_path, "a.csv", motive(there, LABELS))).told
+    assert told["left_out"] == "Rigid Body Cart, Rigid Body Marker Cart:Marker1, trajectories without a name: 1"
+    assert told["unit"] == "read: 0.001 m"
+    assert told["up"] == "guessed: y, from the feet to the head"
+    told = open_motion(_file(tmp_path, "b.csv", nexus(there, LABELS))).told
+    assert told["left_out"] == "Devices, Model Outputs, trajectories without a name: 1"
+    assert told["prefix"] == "Ann"
+
+
+def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str | None]]]:
+    """By what is wrong: file's name, text, then rule, row, column, value."""
+    there = body(12)
+    tsv, opti, vicon = qualisys(there, LABELS), motive(there, LABELS), nexus(there, LABELS)
+    cut = {name: text[: text.rindex("\n", 0, len(text) - 30)] for name, text in (("tsv", tsv), ("opti", opti))}
+    names = "\t".join(LABELS)
+    lines = vicon.split("\n")
+    at = next(k for k, line in enumerate(lines) if line.startswith("Trajectories"))
+    second = lines[at + 6].split(",")
+    people = tuple(f"{who}_{label}" for who in ("Ann", "Ben") for label in LABELS)
+    two = np.concatenate([there, there + np.array([0.0, 2.0, 0.0])], axis=1)
+    without = [cell if k != 4 else "" for k, cell in enumerate(second)]
+    return {
+        "cut": ("a.tsv", cut["tsv"] + "\n", ("frame_count", 1, "NO_OF_FRAMES", "12")),
+        "cut in motive": ("a.csv", cut["opti"] + "\n", ("frame_count", 1, "Total Exported Frames", "12")),
+        "cut in a row": ("a.csv", "\n".join(lines[: at + 8])[:-60], ("row_length", at + 8, None, None)),
+        "names lost": ("a.tsv", tsv.replace(f"\t{names}\n", f"\t{names[5:]}\n"),
+                       ("marker_count", 11, "NO_OF_MARKERS", "8")),
+        "count wrong": ("a.tsv", tsv.replace("NO_OF_MARKERS\t8", "NO_OF_MARKERS\t9"),
+                        ("marker_count", 11, "NO_OF_MARKERS", "9")),
+        "6D": ("a.tsv", tsv.replace("DATA_INCLUDED\t3D", "DATA_INCLUDED\t6D"),
+               ("no_markers", 9, "DATA_INCLUDED", "6D")),
+        "no header": ("a.tsv", tsv[tsv.index("\n1\t") + 1 :], ("unknown_format", 1, None, None)),
+        "decimal commas": ("a.tsv", tsv.replace(".", ","), ("not_a_number", 14, "Time", "0,00000")),
+        "commas for both": ("a.csv", "\n".join([*lines[: at + 5], lines[at + 5].replace(".", ","), *lines[at + 6 :]]),
+                            ("row_length", at + 6, None, None)),
+        "a word": ("a.csv", opti.replace(f"{1700.0:.6f}", "seen", 1), ("not_a_number", 8, "Ann:LFHD y", "seen")),
+        "infinite": ("a.csv", opti.replace(f"{1700.0:.6f}", "inf", 1), ("not_a_number", 8, "Ann:LFHD y", "inf")),
+        "half a point": ("a.csv", "\n".join([*lines[: at + 6], ",".join(without), *lines[at + 7 :]]),
+                         ("half_a_point", at + 7, "Ann:LFHD z", None)),
+        "a frame lost": ("a.csv", "\n".join([*lines[: at + 8], *lines[at + 9 :]]),
+                         ("frame_lost", at + 9, "Frame", "35")),
+        "no unit": ("a.csv", motive(7.0 * there, LABELS).replace("Length Units,Millimeters", "Length Units,Furlongs"),
+                    ("no_unit", None, "unit", None)),
+        "mm as m": ("a.csv", opti.replace("Units,Millimeters", "Units,Meters"), ("no_body", None, "unit", "read: 1 m")),
+        "m as mm": ("a.tsv", qualisys(0.001 * there, LABELS), ("no_body", None, "unit", "read: 0.001 m")),
+        "two units": ("a.csv", vicon.replace("mm,mm,mm", "m,m,m", 1), ("no_unit", at + 5, None, "m, mm")),
+        "two people": ("a.tsv", qualisys(two, people), ("two_people", None, "subject", None)),
+        "no label": ("a.csv", nexus(there, tuple(f"*{k}" for k in range(8))), ("no_markers", None, None, "9")),
+        "bodies alone": ("a.csv", opti.replace(",Marker", ",Bone"), ("no_markers", 3, None, None)),
+        "no trajectories": ("a.csv", "\n".join(lines[: at - 1]), ("no_markers", None, None, "Devices")),
+        "two rates": ("a.csv", opti.replace("Export Frame Rate,120", "Export Frame Rate,60"),
+                      ("two_rates", 1, "Export Frame Rate", "60")),
+        "no rate": ("a.tsv", qualisys(there, LABELS, head=False).replace("FREQUENCY\t100\n", "FREQUENCY\tEXT\n"),
+                    ("no_rate", 4, "FREQUENCY", "0")),
+        "all gaps": ("a.csv", nexus(there * np.nan, LABELS, beside=False), ("all_gaps", None, None, None)),
+        "empty": ("a.csv", "", ("empty_file", None, None, None)),
+        "another table": ("a.csv", "t,q.hip\n0,0\n0.1,0\n", ("unknown_format", 1, None, "t,q.hip")),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("what", list(_wrong()))
+def test_a_table_that_is_wrong_is_refused_at_its_row(tmp_path: Path, what: str) -> None:
+    name, text, (rule, row, column, value) = _wrong()[what]
+    fault = _refused(_file(tmp_path, name, text))
+    assert (fault.rule, fault.row, fault.column) == (rule, row, column)
+    assert value is None or fault.value == value
+
+
+def test_a_table_of_a_robot_is_refused_with_what_takes_it(tmp_path: Path) -> None:
+    assert "motion check" in str(_refused(_file(tmp_path, "a.csv", "t,q.hip\n0,0\n0.1,0\n")).advice)
+    assert "Qualisys" in str(_refused(_file(tmp_path, "a.csv", "time,x\n0,0\n0.1,0\n")).advice)
+
+
+def _bow(frames: int = 61) -> np.ndarray:
+    return np.asarray(np.radians(30.0) * np.sin(np.pi * np.linspace(0.0, 1.0, frames)) ** 2)
+
+
+@pytest.mark.parametrize("at_rest", [True, False])
+def test_segments_of_an_mvnx_are_a_person_that_bends(tmp_path: Path, at_rest: bool) -> None:
+    """Whichever way the person faces; with and without the calibration's poses."""
+    motion = with_contacts(open_motion(_file(tmp_path, "a.mvnx", mvnx(_bow(), at_rest=at_rest))))
+    assert motion.tree is not None
+    assert motion.tree.names[0] == "Pelvis"
+    assert set(motion.tree.names) == {name for name, _, _ in SEGMENTS}
+    assert motion.told["preset"] == "Xsens MVN's segments"
+    assert motion.told["up"] == "read: z"
+    assert motion.rate == pytest.approx(60.0)
+    assert motion.contacts is not None
+    assert motion.contacts.left.all()
+    assert motion.contacts.right.all()
+    person = person_of(motion)
+    flexion = np.arctan2(person.trunk[:, 0, 2], person.trunk[:, 2, 2])
+    assert flexion == pytest.approx(_bow(), abs=1e-5)
+    ahead = person.turn[:, :, 0]
+    assert np.arctan2(ahead[:, 1], ahead[:, 0]) == pytest.approx(0.7, abs=1e-5)
+    assert person.hip_height == pytest.approx(0.85)
+
+
+def test_a_segment_of_an_mvnx_ends_at_its_joint_and_what_was_not_measured_is_told(tmp_path: Path) -> None:
+    """Landmarks on the skin may lie farther than the joint; the legs of an upper body follow the pelvis."""
+    motion = open_motion(_file(tmp_path, "a.mvnx", mvnx(_bow(), body="UpperBody")))
+    assert motion.told["measured"].startswith("UpperBody")
+    tree = motion.tree
+    assert tree is not None
+    for name, below in (("LeftUpperArm", "LeftForeArm"), ("RightLowerLeg", "RightFoot"), ("Pelvis", "L5")):
+        at = tree.names.index(name), tree.names.index(below)
+        assert tree.end[:, at[0]] == pytest.approx(tree.position[:, at[1]], abs=1e-5)
+    assert "measured" not in open_motion(_file(tmp_path, "a.mvnx", mvnx(_bow()))).told
+
+
+def test_an_mvnx_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> None:
+    whole = mvnx(_bow(8))
+    subject = whole[whole.index("<subject") : whole.index("</mvnx>")]
+    wrong: dict[str, tuple[str, str, str | None]] = {
+        "cut": (whole[: len(whole) // 2], "not_mvnx", None),
+        "no XML": ("mvnx", "not_mvnx", None),
+        "no frames": (whole[: whole.index("<frame ")] + "</frames></subject></mvnx>", "not_mvnx", None),
+        "two people": (whole.replace("</mvnx>", subject + "</mvnx>"), "two_people", None),
+        "a segment lost": (whole.replace("<segment label=\"LeftToe\"", "<sensor label=\"LeftToe\"").replace(
+            "</segment></segments>", "</sensor></segments>"), "row_length", "orientation of frame 0"),
+        "Euler angles": (whole.replace("<orientation>1.000000", "<orientation>9.000000"), "bad_quaternion", None),
+        "NaN": (whole.replace("<position>0.000000", "<position>nan"), "not_a_number", "position of frame 0, number 1"),
+        "decimal commas": (whole.replace("<position>0.0", "<position>0,0"), "not_a_number",
+                           "position of frame 0, number 1"),
+        "a joint lost": (whole.replace("<connector2>LeftToe/", "<connector2>Toe/"), "loose_bone", "joints"),
+        "a circle": (whole.replace("<connector1>Pelvis/jL5", "<connector1>Head/jL5"), "loose_bone", "joints"),
+        "no rate": (whole.replace('frameRate="60"', ""), "no_rate", "frameRate"),
+        "two rates": (whole.replace('frameRate="60"', 'frameRate="240"'), "two_rates", "frameRate"),
+        "millimetres": (mvnx(_bow(8), metres=0.001), "no_body", "unit"),
+        "a frame lost": (whole.replace('index="3"', 'index="4"'), "frame_lost", "index of frame 4"),
+    }  # fmt: skip
+    for what, (text, rule, column) in wrong.items():
+        fault = _refused(_file(tmp_path, "a.mvnx", text))
+        assert (what, fault.rule) == (what, rule)
+        assert column is None or fault.column == column
+
+
+def test_damaged_tables_never_end_in_a_traceback(tmp_path: Path) -> None:
+    rng, faults = np.random.default_rng(7), list[Fault]()
+    writers: dict[str, Callable[[], str]] = {name: lambda name=name: WRITERS[name](body(), LABELS) for name in WRITERS}  # type: ignore[misc]
+    for name, text in {**{name: make() for name, make in writers.items()}, "a.mvnx": mvnx(_bow(6))}.items():
+        data = text.encode()
+        for _ in range(40):
+            spoilt = bytearray(data)
+            for at in rng.integers(0, len(data), 3):
+                spoilt[at] = rng.integers(9, 127)
+            cut = spoilt[: rng.integers(0, len(data))] if rng.random() < 0.5 else spoilt
+            path = tmp_path / name
+            path.write_bytes(bytes(cut))
+            try:
+                open_motion(path)
+            except BadMotion as refused:
+                faults += refused.faults
+    assert len(faults) > 100
+    assert all(fault.rule and fault.advice for fault in faults)
