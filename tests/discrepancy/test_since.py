@@ -7,10 +7,14 @@ import pytest
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.order import begins_among, since_log
-from exogauge.findings.verdict import Caveat
+from exogauge.findings.verdict import Caveat, Objection, Why
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import LinkSite, end_links
+from exogauge.search.afterwards import has_joined, look_into_odd_logs
+from exogauge.search.search import searched as searched_for
+from exogauge.search.state import Problem
+from exogauge.search.taken_out import taken_back
 from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow
@@ -83,6 +87,19 @@ def test_friction_that_shifts_with_the_only_held_out_log_is_named_once_that_log_
     assert f"the error in {log}" in finding_sentence(finding)
     assert found.notes == (Caveat("joined", log),)
     assert finding.held_out.rmse_after < 0.3 * finding.held_out.rmse_before
+
+
+def test_a_log_has_joined_for_as_long_as_something_is_named_that_begins_with_it(robot, record):
+    """What was named may be taken back, as it may not be told beside all others."""
+    logs = [record(seed, *([rougher] if seed == 9 else [])) for seed in (1, 2, 3, 9)]
+    recordings = [Recording(log, held_out=number == 3) for number, log in enumerate(logs)]
+    search = searched_for(Problem(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS))
+    assert not has_joined(search)
+    joined, notes = look_into_odd_logs(search)
+    assert notes
+    assert has_joined(joined)
+    without = taken_back(joined, len(joined.steps) - 1, Objection(Why.AT_FLOOR))
+    assert not has_joined(without)
 
 
 def test_without_a_change_the_held_out_log_stays_held_out(searched):

@@ -251,6 +251,23 @@ def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_ch
     assert "do not tell which" in finding.advice
 
 
+@pytest.mark.parametrize("values", [lambda q: 3.0 * q, lambda q: 0.0 * q + 90.0], ids=["three-times", "one-number"])
+def test_what_is_beyond_its_limits_by_little_or_never_changes_is_not_told_as_degrees(values):
+    """Degrees are 57 times radians; and an encoder that stays at one number says nothing of its unit."""
+    time, channels = healthy(np.random.default_rng(8))
+    channels["q.hip"] = values(channels["q.hip"])
+    found = {f.rule: f.severity for f in examine(Log("log", time, channels), EXPECTED) if f.channel == "q.hip"}
+    assert "degrees" not in found
+    assert found["beyond_limits"] == "warning"
+
+
+def test_where_no_gear_is_stated_degrees_may_be_the_motors_angle():
+    time, channels = healthy(np.random.default_rng(8))
+    in_degrees(channels)
+    (finding,) = (f for f in examine(Log("log", time, channels), EXPECTED) if f.rule == "degrees")
+    assert "`gear_ratio`" in finding.advice
+
+
 def test_a_velocity_in_degrees_is_told_by_its_scale_and_its_limit():
     time, channels = healthy(np.random.default_rng(7))
     velocity_in_degrees(channels)

@@ -51,6 +51,34 @@ def test_moments_in_another_unit_are_named_and_nothing_else(robot: Robot, logs: 
         assert each.value == pytest.approx(1.0 / times)
 
 
+@pytest.mark.parametrize(
+    ("feet", "read"),
+    [(FEET[:1], ("y", "x", "z")), (FEET[1:], ("z", "y", "x")), (FEET[:1], ("-y", "x", "z")),
+     (FEET, ("y", "x", "z")), (FEET, ("-x", "-y", "z"))],
+)  # fmt: skip
+def test_a_foots_exchanged_axes_are_named_and_no_joint_for_them(
+    robot: Robot,  # noqa: F811
+    logs: list[Log],
+    feet: tuple[str, ...],
+    read: tuple[str, str, str],
+) -> None:
+    """read: what was written in the columns of x, y and z."""
+
+    def written(log: Log) -> Log:
+        columns = {
+            f"ft.{foot}.{kind}{axis}": (-1.0 if "-" in source else 1.0) * log.channels[f"ft.{foot}.{kind}{source[-1]}"]
+            for foot in feet for kind in "fm" for axis, source in zip("xyz", read, strict=True)
+        }  # fmt: skip
+        return replace(log, channels=log.channels | columns)
+
+    found = list(examine_against_robot(robot, [written(each) for each in logs]))
+    channel = "ft.*" if len(feet) == 2 else f"ft.{feet[0]}"
+    assert {(each.channel, each.rule) for _, each in found} == {(channel, "wrench_axes")}
+    for _, each in found:  # what undoes it: of each axis the column that it was written in
+        for axis, source in zip("xyz", read, strict=True):
+            assert f"{source[-1]} := {'-' if '-' in source else ''}{axis}" in each.advice
+
+
 def test_a_leg_with_a_wrong_sign_is_no_exchange(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
     turned = [replace(each, channels=each.channels | {"tau.left_leg": -each.channels["tau.left_leg"]}) for each in logs]
     assert {(channel, rule) for _, channel, rule in said(robot, turned)} == {("tau.left_leg", "effort_reversed")}

@@ -64,6 +64,9 @@ class Examining:
     most_amperes: float = criterion(
         200.0, "A", "no joint of a robot that a person can stand beside takes more", judgement(RULES)
     )
+    far_beyond: float = criterion(
+        3.0, "spans", "of its limits, by which a position in degrees lies beyond them at the least", judgement(RULES)
+    )
     longest_lag_s: float = criterion(0.25, "s", "by which a velocity is tried to be late or early", judgement(RULES))
     unlike: float = criterion(0.9, "1", "correlation below which dq is not the derivative of q", judgement(RULES))
     lag_samples: float = criterion(
@@ -183,6 +186,18 @@ class Comparing:
         "1",
         "of an axis' effort that is left whatever is tried, from which it is told as unlike its description",
         judgement("docs/doctor.md: more than half; recorded robots leave 0.17 at most"),
+    )
+    others: float = criterion(
+        3.0,
+        "1",
+        "times what is left of an axis' effort in every other log, by size and by share, from which one log is odd",
+        measured("recordings and logs of three other robots as they are: 1.8 at most; one log with a slip: 5 to 50"),
+    )
+    held: float = criterion(
+        0.2,
+        "1",
+        "of a log, for which a position stays at one number, from which it may be dead: a dwell is shorter",
+        judgement(RULES),
     )
     most_slips: int = criterion(
         6, "slips", "in one study: who has more has one that was not thought of", judgement(RULES)

@@ -19,7 +19,7 @@ from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.progress import Rising, still, unwatched
-from exogauge.search.afterwards import look_into_odd_logs, shapes_again
+from exogauge.search.afterwards import has_joined, look_into_odd_logs, shapes_again
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
 from exogauge.search.declared import within_declared
@@ -40,8 +40,11 @@ def missing_effects(so_far: SoFar) -> SoFar:
     search = searched(Problem(so_far.current, recordings, effects, asked.settings, Rising(asked.progress)))
     if search.creeping.below:
         return replace(so_far, anew=_at_speed(asked, search.creeping))
+    all_held_out = search
     search, joined = look_into_odd_logs(search)
     search, bends, findings = _as_told(shapes_again(search))
+    if joined and not has_joined(search):  # nothing is named for which it had to be fitted
+        joined, (search, bends, findings) = (), _as_told(shapes_again(all_held_out))
     base = search.problem.base
     rounds = rounds_of(search.steps)
     models = (*so_far.models[:-1], base, *(each[-1].found for each in rounds), *(each.found for each in bends))

@@ -50,18 +50,22 @@ def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
             "degrees": np.radians(values) if limits.turns else values,
             "motor_side": values / max(limits.gear, 1.0),
         }
+        least = {"degrees": expected.criteria.far_beyond * span, "motor_side": span}  # who is 57 times off is far off
         fits = [
             rule
             for rule, each in otherwise.items()
             if np.nanmin(each) >= limits.lower - margin and np.nanmax(each) <= limits.upper + margin
-        ]
-        if fits and np.isfinite(span) and worst > span:
+            and worst > least[rule] and varies(values)
+        ]  # fmt: skip
+        if fits and np.isfinite(span):
             read = {"degrees": "degrees", "motor_side": f"the motor's side of a gear of {limits.gear:g}"}
             say = {"degrees": "declare the unit as deg", "motor_side": "say `side: motor`"}
             words = " or ".join(read[rule] for rule in fits)
             detail = f"goes {worst:.3g} rad beyond the joint's limits, but read as {words} it stays within"
             advice = f"{', or '.join(say[rule] for rule in fits)} in the mapping"
             advice += ": the limits do not tell which" if len(fits) > 1 else ""
+            if limits.gear == 1.0:
+                advice += "; is it the motor's angle, state `gear_ratio` in robot.yaml and `side: motor`"
             yield Finding("error", f"q.{joint}", fits[0], detail, advice, row, float(values[row - 1]))
         else:
             detail = f"goes {worst:.3g} beyond its limits [{limits.lower:.3g}, {limits.upper:.3g}]"

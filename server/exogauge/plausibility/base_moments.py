@@ -1,11 +1,11 @@
 """What moments about the base tell of contact sensors: columns that were exchanged, as the load goes from one to the
-other, another clock than that of the positions, and moments in another unit."""
+other, a sensor's axes that were, another clock than that of the positions, and moments in another unit."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, permutations, product
 from typing import final
 
 import numpy as np
@@ -57,6 +57,32 @@ class MomentUnit:
 
 @final
 @dataclass(frozen=True)
+class OtherAxes:
+    """sensors: by number. read: for each of x, y, z of the frame, which column holds it, and with which sign.
+    before, after: as in `Exchanged`."""
+
+    sensors: tuple[int, ...]
+    read: tuple[tuple[int, float], ...]
+    before: float
+    after: float
+
+    def undo(self, seen: Snapshot) -> Snapshot:
+        order, signs = (np.array(each) for each in zip(*self.read, strict=True))
+        both, wrenches, late = np.concatenate([order, order + 3]), seen.wrenches.copy(), seen.late_wrenches.copy()
+        for sensor in self.sensors:
+            wrenches[:, sensor] = wrenches[:, sensor][:, both] * np.tile(signs, 2)
+            late[:, :, sensor] = late[:, :, sensor][:, :, both] * np.tile(signs, 2)
+        return replace(seen, wrenches=wrenches, late_wrenches=late)
+
+    @property
+    def words(self) -> str:
+        return ", ".join(
+            f"{axis} := {'-' if sign < 0.0 else ''}{'xyz'[k]}" for axis, (k, sign) in zip("xyz", self.read, strict=True)
+        )
+
+
+@final
+@dataclass(frozen=True)
 class Late:
     """Of one log. seconds: > 0 late. before, after: as in `Exchanged`, as it was read, and taken from that much later.
     shift: the place of the nearest among the snapshot's lags."""
@@ -87,6 +113,38 @@ def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | No
         found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
     best = min(found, key=lambda each: each.after)
     return best if best.after < criteria.sides_falls * best.before else None
+
+
+def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
+    """In all of the logs, of one sensor, or of all alike: exchanged and reversed axes, forces and moments together.
+    None where two sensors that are exchanged leave no more.
+    """
+    if not robot.tree.floating or not robot.contacts or not seen:
+        return None
+    criteria, asked = seen[0].criteria, [_asked(robot, each) for each in seen]
+
+    def left(tried: Sequence[Snapshot]) -> float:
+        return _rms([a - _given(robot, each) for a, each in zip(asked, tried, strict=True)]) / swings
+
+    swings = _rms(asked)
+    before = left(seen) if swings > 0.0 else 0.0
+    if before < criteria.sides_before:
+        return None
+    sensors: list[tuple[int, ...]] = [(each,) for each in range(len(robot.contacts))]
+    sensors += [tuple(range(len(robot.contacts)))] if len(robot.contacts) > 1 else []
+    reads = [
+        tuple(zip(order, signs, strict=True))
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]
+    found = [OtherAxes(some, read, before, 0.0) for some in sensors for read in reads]
+    found = [replace(each, after=left([each.undo(one) for one in seen])) for each in found]
+    best = min(found, key=lambda each: each.after)
+    sides = exchanged_contacts(robot, seen)
+    most = min(
+        criteria.sides_before, criteria.sides_falls * before, sides.after * before / sides.before if sides else np.inf
+    )
+    return best if best.after < most else None
 
 
 def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:

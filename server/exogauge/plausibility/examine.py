@@ -6,6 +6,7 @@ What needs no comparison: channels without life, efforts and speeds that the rob
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -18,10 +19,13 @@ from exogauge.plausibility.base_moments import (
     Exchanged,
     Late,
     MomentUnit,
+    OtherAxes,
+    contact_axes,
     exchanged_contacts,
     late_contacts,
     moment_unit,
 )
+from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
@@ -65,6 +69,11 @@ def examine_against_robot(
     criteria = criteria or Comparing()
     chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, criteria.most_logs).astype(int))] if logs else []
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
+    axes = contact_axes(robot, seen)
+    if axes is not None:  # before the IMU, which is told by the contacts
+        seen = [axes.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_other_axes(robot, axes)
     turned = imu_findings(robot, seen)
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))
@@ -90,7 +99,10 @@ def examine_against_robot(
         for log in logs:
             yield log.name, finding
     told = set[tuple[str, str]]()
-    slips, delays = _late_and_no_slip(slips, expected)
+    slips, unlike, delays = _late_and_no_slip(slips, unlike, expected)
+    slips, unlike, dead = _dead_and_no_slip(slips, unlike, expected)
+    for each in dead:
+        yield each.log, as_dead(robot, each)
     for slip in slips:
         names = [log.name for log in logs] if len(slip.logs) == len(seen) else slip.logs
         for name in names:
@@ -99,16 +111,16 @@ def examine_against_robot(
             yield name, finding
     by_channel = [(each.seen.log, finding) for each in expected for finding in channel_rules(robot, each)]
     elsewhere = {finding.channel for _, finding in by_channel}
-    for each in unlike:
-        if (finding := as_unlike(robot, each)).channel not in elsewhere:
-            for name in [log.name for log in logs] if len(each.logs) == len(seen) else each.logs:
+    for odd in unlike:
+        if (finding := as_unlike(robot, odd)).channel not in elsewhere:
+            for name in [log.name for log in logs] if len(odd.logs) == len(seen) else odd.logs:
                 yield name, finding
     if expected and not slips and not delays:  # what is wrong otherwise may look late
         delays = list(find_delays(expected))
     for delay in delays:
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
-    if expected and not slips and not delays and not unlike:
+    if expected and not slips and not delays and not unlike and not dead:
         for zero in find_zeros(robot, expected):
             for log in logs:
                 yield log.name, as_zero(robot, zero)
@@ -132,19 +144,55 @@ def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
         yield Finding("warning", "q.*", "not_judged", detail, advice.replace("of it ", ""))
 
 
-def _late_and_no_slip(slips: Sequence[Slip], expected: Sequence[Expected]) -> tuple[list[Slip], list[Delay]]:
-    """Slips, without those of single logs whose efforts are of another clock: there some sign or column fits better."""
-    of_one = {slip.logs[0] for slip in slips if len(slip.logs) == 1 < len(expected)}
-    found = [of_another_clock(each) for each in expected if each.seen.log in of_one]
+def _late_and_no_slip(
+    slips: Sequence[Slip], unlike: Sequence[Unlike], expected: Sequence[Expected]
+) -> tuple[list[Slip], list[Unlike], list[Delay]]:
+    """Without what is told of single logs whose efforts are of another clock: there some sign or column fits better."""
+    of_one = {logs[0] for logs in [*(each.logs for each in slips), *(each.logs for each in unlike)] if len(logs) == 1}
+    found = [of_another_clock(each) for each in expected if each.seen.log in of_one and len(expected) > 1]
     delays = [each for each in found if each is not None]
-    late = {each.log for each in delays}
-    return [slip for slip in slips if not (len(slip.logs) == 1 and slip.logs[0] in late)], delays
+    for slip in slips:  # what leaves less is likelier
+        delays = [
+            each for each in delays if slip.logs != (each.log,) or each.before * slip.after > each.after * slip.before
+        ]
+    late = {(each.log,) for each in delays}
+    left = [each for each in slips if each.logs not in late]
+    return left, [each for each in unlike if each.logs not in late], delays
+
+
+def _dead_and_no_slip(
+    slips: Sequence[Slip], unlike: Sequence[Unlike], expected: Sequence[Expected]
+) -> tuple[list[Slip], list[Unlike], list[DeadPosition]]:
+    """Without what a position that stays at one number explains; a slip without a free number is told all the same."""
+    weak = [slip for slip in slips if not slip.settled or slip.remedy.rule in ("effort_scale", "position_offset")]
+    doubted = {(each.axis, log) for each in unlike for log in each.logs}
+    doubted |= {(joint, log) for slip in weak for joint in slip.remedy.joints for log in slip.logs}
+    named = {(joint, log) for slip in slips if slip not in weak for joint in slip.remedy.joints for log in slip.logs}
+    doubted |= {(axis, each.seen.log) for each in expected for axis in each.in_doubt()} - named
+    dead = dead_positions(expected, doubted)
+    explained = {(axis, each.log) for each in dead for axis in each.axes}
+
+    def stands(axes: Sequence[int], logs: Sequence[str]) -> bool:
+        return not explained & {(axis, log) for axis in axes for log in logs}
+
+    left = [slip for slip in slips if slip not in weak or stands(slip.remedy.joints, slip.logs)]
+    return left, [each for each in unlike if stands([each.axis], each.logs)], dead
 
 
 def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
     """log -> what its accelerometer contradicts."""
-    found = {each.log: directions(robot, each) for each in seen}
-    return {log: finding for log, each in found.items() if each is not None for finding in imu_rules(robot, each)}
+    found = [(each, directions(robot, each)) for each in seen]
+    return {
+        each.log: replace(finding, advice=finding.advice + _or_held(robot, each))
+        for each, up in found
+        if up is not None
+        for finding in imu_rules(robot, up)
+    }
+
+
+def _or_held(robot: Robot, seen: Snapshot) -> str:
+    names = [f"q.{joint.name}" for k, joint in enumerate(robot.joints) if seen.held[:, k].any() and seen.alive[k]]
+    return f", or a position that stays at one number: {', '.join(names)}" if names else ""
 
 
 def as_unit(unit: MomentUnit) -> Finding:
@@ -166,6 +214,16 @@ def as_exchanged(robot: Robot, sides: Exchanged) -> Finding:
     )
     advice = f"exchange the columns of {one} and {other} in a mapping, or their frames in robot.yaml"
     return Finding("error", one, "wrenches_exchanged", detail, advice, value=sides.before)
+
+
+def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
+    channel = f"ft.{robot.contacts[axes.sensors[0]].name}" if len(axes.sensors) == 1 else "ft.*"
+    detail = (
+        f"fits only in other axes: {100 * axes.before:.0f} % of how the moments about the base change are not given as "
+        f"it is, and {100 * axes.after:.0f} % so"
+    )
+    advice = f"in a mapping, take for its forces and moments {axes.words}, or turn its frame in the URDF"
+    return Finding("error", channel, "wrench_axes", detail, advice, value=axes.before)
 
 
 def as_late(late: Late) -> Finding:
@@ -217,6 +275,8 @@ def as_zero(robot: Robot, zero: Zero) -> Finding:
 def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
     """of_one: in a single log among several, which a slip of a mapping is not."""
     remedy = slip.remedy
+    if remedy.up is not None:
+        return _as_gravity(robot, slip, remedy.up)
     channels = [channel(robot, remedy, joint) for joint in remedy.joints]
     half = len(channels) // 2  # of two that are exchanged
     left = f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
@@ -239,11 +299,47 @@ def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
     return Finding("error", channels[0], remedy.rule, f"{said} ({left})", advice, value=remedy.value)
 
 
+def _as_gravity(robot: Robot, slip: Slip, up: tuple[float, ...]) -> Finding:
+    down = ", ".join(f"{0.0 - each:.2g}" for each in up)
+    detail = (
+        f"efforts fit a base on which gravity pulls along [{down}] of its own axes, not [0, 0, -1] (left unexplained "
+        f"are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so)"
+    )
+    advice = (
+        "does the robot hang on a wall or below a ceiling, or stand aslant? Turn it in the URDF: a fixed joint between "
+        "a first link, upright, and its base"
+    )
+    if slip.as_good is not None and slip.as_good.value is not None:
+        zero = f"q.{robot.joints[slip.as_good.joints[0]].name}"
+        detail += f"; a zero of {zero} that is {np.degrees(slip.as_good.value):.0f}° off explains as much"
+        advice = f"these logs do not tell which: state the `offset` of {zero} in a mapping, or: {advice}"
+    if not slip.settled:
+        advice = f"that direction is the nearest of 26 that are tried; {advice}"
+    return Finding("error", "base", slip.remedy.rule, detail, advice, value=slip.remedy.value)
+
+
+def as_dead(robot: Robot, dead: DeadPosition) -> Finding:
+    joints = robot.joints
+    names = [f"{DRIVE[joints[a].actuation]}.{joints[a].name}" for a in dead.axes]
+    stays = "throughout" if dead.share == 1.0 else f"for {100 * dead.share:.0f} % of the log"
+    left = f"{'of the first ' if len(names) > 1 else ''}{100 * dead.left:.0f} % are left unexplained"
+    detail = (
+        f"is {dead.at:.4g} {stays}, and {', '.join(names)} {'does' if len(names) == 1 else 'do'} not fit that: {left}"
+    )
+    advice = (
+        "is its encoder dead, or the column empty or another's? If the joint stood still indeed, look at the columns "
+        "of the others"
+    )
+    return Finding("warning", f"q.{joints[dead.joint].name}", "position_dead", detail, advice, value=dead.at)
+
+
 def as_unlike(robot: Robot, unlike: Unlike) -> Finding:
     joint = robot.joints[unlike.axis]
     left, criteria = f"{100 * unlike.left:.0f} % are left unexplained", Comparing()
     said = f"is unlike what gravity, inertia and friction ask for ({left})"
-    if unlike.left <= criteria.unlike:
+    if unlike.others is not None:
+        said = f"is unlike the other logs: {left}, in them {100 * unlike.others:.0f} % at most"
+    elif unlike.left <= criteria.unlike:
         said = f"asks for bodies that are off by far more than stated ({left})"
     detail = f"{said}, and no slip that was tried explains it"
     advice = (
@@ -272,10 +368,13 @@ def _with_value(robot: Robot, remedy: Remedy) -> tuple[str, str]:
         if np.isclose(abs(np.log(value)), np.log(gear)):
             unit = "is it on the motor's side of the gear, and stated as the joint's, or the reverse?"
         return f"is {value:.3g} times what the effort it meets lets one expect", f"{unit} State it in a mapping"
-    detail = f"is about {value:.2g} times what gravity, inertia and friction ask for"
-    units = "mA, N·mm or a percentage?" if abs(value) > 1.0 else "in kA, or a share of the rated one?"
+    detail = f"is about {abs(value):.2g} times what gravity, inertia and friction ask for"
     sign = " Its sign is turned too." if value < 0.0 else ""
-    return detail, f"check unit, side of the gear and k_T: {units}{sign}"
+    if joint.actuation == "current":
+        units = "are amperes mA, or a percentage?" if abs(value) > 1.0 else "were amperes declared as mA?"
+        return detail, f"check unit, side of the gear, k_T, and masses in the URDF: {units}{sign}"
+    units = "is it in N·mm, or a percentage?" if abs(value) > 1.0 else "was N·m declared as N·mm, or mN·m?"
+    return detail, f"check unit, side of the gear, and masses in the URDF: {units}{sign}"
 
 
 def channel_rules(robot: Robot, expected: Expected) -> Iterator[Finding]:
@@ -297,6 +396,7 @@ def channel_rules(robot: Robot, expected: Expected) -> Iterator[Finding]:
             and seen.alive[k]
             and varies > criteria.driven * load
             and varies > 0.01 * _limit(tree.effort_limit[k])
+            and (moves.any() or varies > 0.1 * _limit(tree.effort_limit[k]))  # where nothing moves, noise varies, too
         ):
             detail = f"is {seen.q[0, k]:.4g} throughout, yet the joint's effort varies by {varies:.3g} N·m"
             advice = "the column is empty or another's: name the one that holds the position"

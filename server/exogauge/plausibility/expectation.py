@@ -69,6 +69,16 @@ class Expected:
             self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], among)
         return self._known[key]
 
+    def left(self, axis: int) -> tuple[float, float]:
+        """Of its effort, whatever factor near one: the share that is left, and how much that is [N·m]."""
+        share, moving = self.likelihood(axis, near=True).misfit, self.moving[:, axis]
+        return share, share * float(np.sqrt(np.mean(self.effort[moving, axis] ** 2)))
+
+    def in_doubt(self) -> list[int]:
+        """Axes of whose effort more is left than recorded robots leave of it."""
+        axes = [axis for axis in range(len(self.robot.joints)) if self.tells(axis)]
+        return [axis for axis in axes if self.left(axis)[0] > self.seen.criteria.misfit]
+
     def in_any_motion(self) -> Expected:
         """With moments right after a turn too: there, where friction turns round, a delay shows."""
         return self.at(in_motion(self._velocity, self.seen.criteria))

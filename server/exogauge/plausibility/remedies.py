@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 from typing import Literal, final
 
 import numpy as np
@@ -25,6 +25,7 @@ class Remedy:
 
     undo: the snapshot as it should have been.
     cost: log of how much rarer such a slip is than a reversed sign. value: factor or angle, for the message.
+    up: (3,) the direction away from gravity in the base's frame, where it is another.
     """
 
     rule: str
@@ -33,6 +34,7 @@ class Remedy:
     undo: Callable[[Snapshot], Snapshot]
     cost: float = 0.0
     value: float | None = None
+    up: tuple[float, ...] | None = None
 
 
 def reversals(joint: int) -> Sequence[Remedy]:
@@ -52,6 +54,12 @@ def misread_positions(robot: Robot, joint: int) -> Sequence[Remedy]:
         *(Remedy("position_scale", "position", (joint,), _scaled(joint, each), 3.0, 1.0 / each) for each in factors),
         *(Remedy("position_offset", "position", (joint,), shifted(joint, each), 5.0, -each) for each in ZEROS),
     ]
+
+
+def zeros_in_eighths(joint: int) -> list[Remedy]:
+    """Zeros that are off by eighths of a turn, as mountings are."""
+    angles = np.radians([45.0, 90.0, 135.0, 180.0, -135.0, -90.0, -45.0]).tolist()
+    return [Remedy("position_offset", "position", (joint,), shifted(joint, each), 5.0, -each) for each in angles]
 
 
 def exchanged(ones: Sequence[int], others: Sequence[int]) -> Sequence[Remedy]:
@@ -98,6 +106,21 @@ def alike_limbs(robot: Robot) -> list[tuple[tuple[int, ...], tuple[int, ...]]]:
         for one, other in pairs
         if shape(one) == shape(other) and len(joints(one)) > 1
     ]
+
+
+def other_gravity(robot: Robot) -> list[Remedy]:
+    """A fixed base that is mounted otherwise: on a wall, below a ceiling, aslant. No IMU tells it."""
+    joints = tuple(range(len(robot.joints)))
+    ups = [] if robot.tree.floating else [np.array(each) for each in product((0.0, 1.0, -1.0), repeat=3)]
+    ups = [each / np.linalg.norm(each) for each in ups if each.any() and not (each[2] > 0.0 and not each[:2].any())]
+    return [
+        Remedy("gravity_direction", "position", joints, _upward(up), 3.0, float(np.arccos(up[2])), tuple(up))
+        for up in ups
+    ]
+
+
+def _upward(up: Array) -> Callable[[Snapshot], Snapshot]:
+    return lambda seen: replace(seen, acc=np.linalg.norm(seen.acc, axis=1)[:, None] * up)
 
 
 def scaled_effort(joint: int, gain: float) -> Remedy:

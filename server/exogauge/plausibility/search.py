@@ -12,15 +12,18 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Comparing
 from exogauge.plausibility.expectation import Expected
-from exogauge.plausibility.pooling import pooled, together
+from exogauge.plausibility.pooling import pooled, stands_out, together, without_the_worst
+from exogauge.plausibility.relatives import coupled, related
 from exogauge.plausibility.remedies import (
     Remedy,
     alike_limbs,
     exchanged,
     misread_positions,
+    other_gravity,
     reversals,
     scaled_effort,
     shifted,
+    zeros_in_eighths,
 )
 from exogauge.plausibility.screening import Screen
 from exogauge.plausibility.snapshot import Snapshot
@@ -66,7 +69,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     every = tuple(range(len(seen)))
     for logs in [every, *((k,) for k in every if len(seen) > 1)]:
         while len(slips) < criteria.most_slips:
-            part = _State(robot, [state.expected[k] for k in logs], logs == every)
+            part = _State(robot, [state.expected[k] for k in logs], state.others(logs))
             best = part.best_remedy()
             if best is None:
                 break
@@ -76,7 +79,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     slips = [replace(each, settled=each in first or state.explains(each)) for each in slips]
     said = [each for each in slips if each.settled or state.halves(each, as_read)]
     touched = {(joint, log) for slip in said for joint in slip.remedy.joints for log in slip.logs}
-    sought = len(slips) < criteria.most_slips  # else there is more to find
+    sought = len(said) < criteria.most_slips  # else there is more to find
     mended = state.expected if said == slips else [Expected(robot, _mended(each, said)) for each in seen]
     return said, [*unlike_axes(mended, touched)] if sought else [], as_read
 
@@ -117,13 +120,18 @@ def _impossible(robot: Robot, seen: Snapshot, joint: int) -> bool:
 class _State:
     """The logs as they would be, with what was found so far undone."""
 
-    def __init__(self, robot: Robot, expected: Sequence[Expected], every: bool = True) -> None:
-        """every: these are all logs, not a single one among several."""
-        self.robot, self.expected, self._every = robot, expected, every
+    def __init__(self, robot: Robot, expected: Sequence[Expected], others: Sequence[Expected] = ()) -> None:
+        """others: the logs beside these, where these are some of several."""
+        self.robot, self.expected, self._others, self._every = robot, expected, others, not others
         self.seen = [each.seen for each in expected]
         self.criteria = self.seen[0].criteria if self.seen else Comparing()
         self._undone: tuple[Remedy, list[Expected]] | None = None
-        self._related, self._coupled, self._limbs = _related(robot), _coupled(robot), alike_limbs(robot)
+        self._first = _of_the_base(robot)
+        self._related, self._coupled, self._limbs = related(robot), coupled(robot), alike_limbs(robot)
+
+    def others(self, logs: Sequence[int]) -> list[Expected]:
+        """All but these, by number."""
+        return [each for k, each in enumerate(self.expected) if k not in logs]
 
     def best_remedy(self) -> Slip | None:
         doubted = self.doubted()
@@ -139,7 +147,7 @@ class _State:
         if not tried:
             return None
         remedy, evidence = tried[0]
-        axis = remedy.joints[0]
+        axis = max(remedy.joints, key=lambda each: pooled(self.expected, each).misfit)
         left = pooled(self.expected, axis).misfit, pooled(self.undone(remedy), axis).misfit
         return Slip(self.sharpened(remedy), evidence, *left, self.as_good(remedy, tried))
 
@@ -183,12 +191,15 @@ class _State:
             close = self.gain(best, moving) - self.gain(other) < self.criteria.undecided
             return other if close else None
         least = dict(tried)[best] - self.criteria.undecided
+        if best.up is not None:  # the zero of a joint that carries all turns gravity, too
+            zeros = (each for j in self._first for each in zeros_in_eighths(j))
+            return next((each for each in zeros if self.gain(each) > least), None)
         rivals = (each for each, its in tried if each is not best and its > least and each.joints == best.joints)
         return next(rivals, None)
 
     def explained_with(self, remedy: Remedy) -> bool:
         """Whether no axis stays in doubt with it that is now, or that it touches; a factor of an effort hides much."""
-        then = _State(self.robot, self.undone(remedy))
+        then = _State(self.robot, self.undone(remedy), self._others)
         asked = {*self._touched(remedy), *self.doubted()}
         return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in asked)
 
@@ -222,8 +233,18 @@ class _State:
         return sorted(found, key=lambda axis: -found[axis])[: self.criteria.most_doubted]
 
     def in_doubt(self, axis: int) -> bool:
-        now = pooled(self.expected, axis)
-        return now.any - now.described > self.criteria.doubted or now.misfit > self.criteria.misfit
+        """Too much is left, another factor or the other sign explains more, or in other logs far less is left."""
+        now = pooled(without_the_worst(self.expected, axis), axis)
+        if now.any - now.described > self.criteria.doubted or now.misfit > self.criteria.misfit:
+            return True
+        turned = pooled(without_the_worst(self.expected, axis), axis, -1.0, near=True)
+        if turned.described - now.described > self.criteria.doubted:
+            return True
+        return now.misfit > min(self.criteria.unmodelled) and self.is_odd(axis)
+
+    def is_odd(self, axis: int) -> bool:
+        """Far more of it is left here than in the other logs."""
+        return any(stands_out(each, self._others, axis) for each in self.expected)
 
     def plain_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
         """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried.
@@ -231,6 +252,7 @@ class _State:
         A factor is in all logs, as a unit is: of a single one among several none is tried.
         """
         found = [remedy for joint in doubted for remedy in reversals(joint)]
+        found += other_gravity(self.robot) if self._every else []
         found += [exchanged([one], [other])[0] for one, other in combinations(doubted, 2)]
         found += [exchanged(*limbs)[0] for limbs in self._limbs]
         for joint in doubted:
@@ -250,13 +272,16 @@ class _State:
     def rare_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
         """Of all joints whose position moves the load of one in doubt: what is wrong there may show elsewhere alone.
 
-        Of a single log among several those in doubt alone: a mapping's slip is in all of them.
+        Of a single log among several those in doubt alone, and exchanges with one that stands out: a mapping's slip is
+        in all of them.
         """
-        joints = range(len(self.robot.joints)) if self._every else doubted
-        about = [j for j in joints if not self._related[j].isdisjoint(doubted)]
+        near = [j for j in range(len(self.robot.joints)) if not self._related[j].isdisjoint(doubted)]
+        about = near if self._every else list(doubted)
         found = [remedy for joint in about for remedy in misread_positions(self.robot, joint)]
         found += [remedy for joint in set(about) - set(doubted) for remedy in reversals(joint)[1:]]
-        pairs = [*(((one,), (other,)) for one, other in combinations(about, 2)), *self._limbs]
+        sure = {j for j in about if self._every or self.is_odd(j)}
+        either = [each for each in combinations(near, 2) if set(each) & sure or set(each) <= set(about)]
+        pairs = [*(((one,), (other,)) for one, other in either), *self._limbs]
         return found + [remedy for ones, others in pairs for remedy in exchanged(ones, others)[1:]]
 
     def worth_trying(self, remedies: Sequence[Remedy]) -> list[Remedy]:
@@ -301,22 +326,8 @@ class _State:
         return sorted(telling & set().union(*(self._related[joint] for joint in remedy.joints)))
 
 
-def _coupled(robot: Robot) -> list[set[int]]:
-    """Joint -> axes that its position or its torque belongs to."""
-    C = robot.axes_from_joints
-    return [{int(a) for a in np.flatnonzero((C[:, j] != 0.0) | (C[j] != 0.0))} for j in range(len(C))]
-
-
-def touched_by(robot: Robot, joint: int) -> list[int]:
-    """Axes whose load its position changes."""
-    return sorted(_related(robot)[joint])
-
-
-def _related(robot: Robot) -> list[set[int]]:
-    """Joint -> axes whose load its position changes: of all that it carries, and of all that carry it."""
-    tree, coupled = robot.tree, _coupled(robot)
-    carried = subtree(tree)
-    body = {int(tree.dof[i]): i for i in range(len(tree.bodies)) if tree.dof[i] >= 0}
-    joints = range(len(robot.joints))
-    related = [[k for k in joints if carried[body[j], body[k]] or carried[body[k], body[j]]] for j in joints]
-    return [set().union(*(coupled[k] for k in each)) for each in related]
+def _of_the_base(robot: Robot) -> list[int]:
+    """Joints that no other carries."""
+    carried, tree = subtree(robot.tree), robot.tree
+    moved = [int(i) for i in np.flatnonzero(tree.dof >= 0)]
+    return [int(tree.dof[i]) for i in moved if not any(carried[k, i] for k in moved if k != i)]

@@ -14,6 +14,7 @@ from exogauge.identification.prior import joint_prior
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
+from exogauge.logs.findings import runs
 from exogauge.logs.model import Log
 from exogauge.logs.resampling import is_even
 from exogauge.plausibility.axis_fit import in_motion
@@ -22,7 +23,7 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 # of a snapshot, along the first axis
-MOMENTS = ("q", "dq", "ddq", "way", "acc", "gyro", "gyro_dot", "effort", "wrenches")
+MOMENTS = ("q", "dq", "ddq", "way", "held", "acc", "gyro", "gyro_dot", "effort", "wrenches")
 
 
 @final
@@ -31,6 +32,7 @@ class Snapshot:
     """N moments of one log, low-passed; J joints, S contact sensors.
 
     q, dq, ddq: (N, J). way: (N, J) that a joint went since it last turned.
+    held: (N, J) bool, its position stays at one number for long.
     acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
     late: (LAGS, N, J) the same, from so much later; lags: (LAGS,) [s].
@@ -45,6 +47,7 @@ class Snapshot:
     dq: Array
     ddq: Array
     way: Array
+    held: NDArray[np.bool_]
     acc: Array
     gyro: Array
     gyro_dot: Array
@@ -87,7 +90,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     if len(q) < 4 * settle:
         return None
     at = np.linspace(settle, len(q) - 1 - settle, moments).astype(np.intp)
-    still, q = np.ptp(q, axis=0) == 0.0, low_pass.apply(q)
+    still, held, q = np.ptp(q, axis=0) == 0.0, held_positions(q, criteria.held), low_pass.apply(q)
     dq, ddq = differentiate(q, rate), differentiate_twice(q, rate)
     effort, alive, zeros = np.zeros_like(q), np.zeros(len(joints), dtype=bool), np.zeros(len(joints))
     moving = in_motion(dq, criteria)
@@ -108,6 +111,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         dq=dq[at],
         ddq=ddq[at],
         way=way_since_turn(q, dq)[at],
+        held=held[at],
         acc=acc,
         gyro=gyro,
         gyro_dot=gyro_dot,
@@ -123,6 +127,16 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         recording=recording,
         criteria=criteria,
     )
+
+
+def held_positions(q: Array, share: float) -> NDArray[np.bool_]:
+    """(T, J) samples of a run at one number, as long as this share of the log."""
+    held = np.zeros(q.shape, dtype=bool)
+    for own, values in zip(held.T, q.T, strict=True):
+        starts, lengths = runs(np.abs(np.diff(values)) <= 1e-9 * max(float(np.ptp(values)), 1e-9))  # as resampled
+        for start, length in zip(starts, lengths, strict=True):
+            own[start : start + length + 1] |= length >= share * (len(values) - 1)
+    return held
 
 
 def way_since_turn(q: Array, dq: Array) -> Array:

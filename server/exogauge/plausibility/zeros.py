@@ -15,8 +15,8 @@ from exogauge.identification.sites import encoders
 from exogauge.plausibility.axis_fit import Likelihood
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.pooling import pooled
+from exogauge.plausibility.relatives import related
 from exogauge.plausibility.remedies import shifted
-from exogauge.plausibility.search import touched_by
 from exogauge.plausibility.summit import climb
 from exogauge.robots.description import Robot
 from exogauge.robots.regressor import inverse_dynamics
@@ -93,7 +93,7 @@ def _load_slopes(robot: Robot, expected: Expected) -> Array:
 
 def _zero(robot: Robot, expected: Sequence[Expected], joint: int) -> Zero:
     """By full comparisons."""
-    axes = [a for a in touched_by(robot, joint) if any(each.tells(a) for each in expected)]
+    axes = [a for a in sorted(related(robot)[joint]) if any(each.tells(a) for each in expected)]
 
     @cache
     def by_axis(angle: float) -> list[Likelihood]:

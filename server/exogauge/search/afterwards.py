@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from exogauge.criteria.criteria import Criteria
+from exogauge.effects.order import about
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
@@ -45,6 +46,13 @@ def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
         if len(again.steps) > len(search.steps):
             return again, (Caveat("joined", recording.log.name),)
     return search, ()
+
+
+def has_joined(search: Search) -> bool:
+    """Whether anything that is named begins with the log that joined, or sits in it: what was found there may have been
+    taken back since."""
+    number = search.problem.only
+    return number is not None and any(about(e.added.effect.shapes, e.added.shape, number) for e in search.steps)
 
 
 def odd_logs(search: Search) -> Iterator[Recording]:

@@ -21,8 +21,8 @@ from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.device_file import DevicePage, drawn_postures
-from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, suggestion
+from exogauge.studies.intake.device_file import drawn_postures
+from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, YamlPage, suggestion
 from exogauge.studies.words.pull_words import Ways
 
 Array = NDArray[np.float64]
@@ -186,7 +186,7 @@ UNEVEN_SHARE = 0.02  # lengths at zero posture within a group, which is usually 
 
 def device_doubts(bundle: Bundle, file: str, robot: Robot, device: Device) -> tuple[Fault, ...]:
     """device: as read from `file` for this robot, without a fault."""
-    page = DevicePage(file, bundle.read(file, limit=MAX_BYTES))
+    page = YamlPage(file, bundle.read(file, limit=MAX_BYTES))
     postures = drawn_postures(robot.tree)
     zero: dict[str, float] = {}
     found = list[Fault]()
@@ -201,7 +201,7 @@ def device_doubts(bundle: Bundle, file: str, robot: Robot, device: Device) -> tu
     return tuple(sorted(found, key=lambda fault: fault.row or 0))
 
 
-def _point_doubts(band: Band, segments: Array, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+def _point_doubts(band: Band, segments: Array, page: YamlPage, at: Pointer) -> Iterator[Fault]:
     """segments: (S,) [m] their lengths at zero posture."""
     for j, point in enumerate(band.via_points):
         away = float(np.linalg.norm(point.xyz))
@@ -214,7 +214,7 @@ def _point_doubts(band: Band, segments: Array, page: DevicePage, at: Pointer) ->
         yield page.fault(detail, "no_segment_at_zero", (*at, "via_points", int(s) + 1), advice)
 
 
-def _length_doubts(band: Band, length: Array, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+def _length_doubts(band: Band, length: Array, page: YamlPage, at: Pointer) -> Iterator[Fault]:
     """length: (T,) [m], the first at zero posture."""
     l_0, zero, longest = band.natural_length, float(length[0]), float(length.max())
     if l_0 is None:
@@ -228,7 +228,7 @@ def _length_doubts(band: Band, length: Array, page: DevicePage, at: Pointer) -> 
         yield page.fault(detail, "far_from_zero", pointer, "Check via points and units [m].", f"{l_0:g}")
 
 
-def _value_doubts(band: Band, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+def _value_doubts(band: Band, page: YamlPage, at: Pointer) -> Iterator[Fault]:
     if band.bench is not None and band.law == "linear":
         line, advice = bench_line(band.bench), "Check which of them belongs to this band."
         k, l_0 = band.stiffness, band.natural_length
@@ -243,7 +243,7 @@ def _value_doubts(band: Band, page: DevicePage, at: Pointer) -> Iterator[Fault]:
         yield page.fault(detail, "no_truth", (*at, "ground_truth"), "Give stiffness_n_per_m, or leave it out.")
 
 
-def _uneven_groups(device: Device, zero: Mapping[str, float], page: DevicePage) -> Iterator[Fault]:
+def _uneven_groups(device: Device, zero: Mapping[str, float], page: YamlPage) -> Iterator[Fault]:
     """zero: band -> length at zero posture [m]."""
     first: dict[str, Band] = {}
     for k, band in enumerate(device.bands):

@@ -23,24 +23,11 @@ from exogauge.robots.tree import RigidTree
 from exogauge.studies.intake import contract
 from exogauge.studies.intake.bench_table import read_bench
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, place, read_yaml, suggestion
+from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, YamlPage, dotted, place, read_yaml, suggestion
 
 Part = TypeVar("Part", bound=BaseModel)
 
 SHOWN_LINKS = 30
-
-
-@final
-@dataclass(frozen=True)
-class DevicePage:
-    """The written file: says at which line a fault is."""
-
-    file: str
-    data: bytes
-
-    def fault(self, detail: str, rule: str, pointer: Pointer, advice: str = "", value: object = None) -> Fault:
-        shown = None if value is None else shorten(str(value))
-        return Fault(detail, rule, advice, self.file, place(self.data, pointer), dotted(pointer) or None, shown)
 
 
 @final
@@ -68,7 +55,7 @@ def read_device(
     named_in, row, column: where the file's name is written.
     """
     data = bundle.read(file, limit=MAX_BYTES, named_in=named_in, column=column, row=row)
-    page = DevicePage(file, data)
+    page = YamlPage(file, data)
     entry, content, faults = read_yaml(data, contract.DeviceFile, file=file)
     drafts = _drafts(content)
     faults += _name_faults(drafts, page)
@@ -154,7 +141,7 @@ def _read(model: type[Part], written: object) -> Part | None:
         return None
 
 
-def _name_faults(drafts: Sequence[_Draft], page: DevicePage) -> Iterator[Fault]:
+def _name_faults(drafts: Sequence[_Draft], page: YamlPage) -> Iterator[Fault]:
     first: dict[str, int] = {}
     for draft in drafts:
         name = draft.values.name
@@ -164,7 +151,7 @@ def _name_faults(drafts: Sequence[_Draft], page: DevicePage) -> Iterator[Fault]:
         first.setdefault(name, draft.index)
 
 
-def _group_faults(drafts: Sequence[_Draft], content: dict[Any, Any], page: DevicePage) -> Iterator[Fault]:
+def _group_faults(drafts: Sequence[_Draft], content: dict[Any, Any], page: YamlPage) -> Iterator[Fault]:
     """Bands of a group share stiffness and law; those of a tied group their natural length too."""
     groups: dict[str, list[_Draft]] = {}
     for draft in drafts:
@@ -190,7 +177,7 @@ def _group_faults(drafts: Sequence[_Draft], content: dict[Any, Any], page: Devic
                     yield page.fault(detail, "group_differs", draft.at(key), advice, value)
 
 
-def _law_faults(draft: _Draft, page: DevicePage) -> Iterator[Fault]:
+def _law_faults(draft: _Draft, page: YamlPage) -> Iterator[Fault]:
     """An unknown law; values that it does not know, lacks, or cannot take."""
     for fault in law_faults(draft.values.law, draft.values.law_values):
         pointer = draft.at(*(fault.column or "law").split(".", 1))
@@ -199,7 +186,7 @@ def _law_faults(draft: _Draft, page: DevicePage) -> Iterator[Fault]:
         yield replace(told, row=place(page.data, draft.at("law"))) if missing else told
 
 
-def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -> Iterator[Fault]:
+def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: YamlPage) -> Iterator[Fault]:
     """Links that the robot lacks, segments without length, bands that act on no joint."""
     postures = drawn_postures(tree, 2)
     for draft in drafts:
@@ -229,7 +216,7 @@ def _where(body: int, tree: RigidTree) -> str:
     return "the fixed base" if body < 0 else f"that of link {tree.bodies[body]!r}"
 
 
-def _unknown_link(link: str, tree: RigidTree, page: DevicePage, pointer: Pointer) -> Fault:
+def _unknown_link(link: str, tree: RigidTree, page: YamlPage, pointer: Pointer) -> Fault:
     if link in tree.joints:
         moved = tree.bodies[int(np.flatnonzero(tree.dof == tree.joints.index(link))[0])]
         advice = f"It is a joint; the link that it moves is {moved!r}."
@@ -245,7 +232,7 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:SHOWN_LINKS]) + (", …" if len(names) > SHOWN_LINKS else "")
 
 
-def _benches(drafts: Sequence[_Draft], bundle: Bundle, page: DevicePage) -> tuple[dict[int, BenchTest], list[Fault]]:
+def _benches(drafts: Sequence[_Draft], bundle: Bundle, page: YamlPage) -> tuple[dict[int, BenchTest], list[Fault]]:
     """Tables by band index; one file may serve several bands and is read, and refused, once."""
     benches: dict[int, BenchTest] = {}
     refused, faults = set[str](), list[Fault]()

@@ -4,39 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import final
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
-from exogauge.errors import BadRobot, Fault
+from exogauge.errors import BadRobot
 from exogauge.robots.description import EXACT, Declared, Joint, Robot, WrenchSensor
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf
 from exogauge.studies.intake.bundle import Bundle
 from exogauge.studies.intake.contract import RobotFile
-from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, load_yaml, place, suggestion
+from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, YamlPage, load_yaml, place, suggestion
 
 Array = NDArray[np.float64]
 
 MAX_URDF_BYTES = 20_000_000
 SIGN = {"world_on_robot": 1.0, "robot_on_world": -1.0, "payload_on_sensor": 1.0, "sensor_on_payload": -1.0}
-
-
-@final
-class _Page:
-    """The written file: says at which line a fault is."""
-
-    def __init__(self, name: str, data: bytes) -> None:
-        self.name, self.data = name, data
-
-    def fault(self, detail: str, rule: str, pointer: Pointer, advice: str = "", value: str | None = None) -> BadRobot:
-        return BadRobot(
-            Fault(detail, rule, advice, self.name, place(self.data, pointer), dotted(pointer) or None, value)
-        )
 
 
 def load_robot(folder: Path, robot_yaml: str = "robot.yaml") -> Robot:
@@ -50,7 +36,7 @@ def read_robot(
     """The robot, the file as written, and the URDF's bytes. named_in, row: where `name` is written."""
     data = bundle.read(name, limit=MAX_BYTES, named_in=named_in, column="robot", row=row)
     entry = load_yaml(data, RobotFile, file=name, error=BadRobot)
-    page = _Page(name, data)
+    page = YamlPage(name, data)
     _refuse_repeated(entry, page)
     urdf = bundle.read(entry.urdf, limit=MAX_URDF_BYTES, named_in=name, column="urdf", row=place(data, ("urdf",)))
     base_link, urdf_name = _check_names(entry, urdf, page)
@@ -67,7 +53,7 @@ def read_robot(
     return robot, entry, urdf
 
 
-def _check_names(entry: RobotFile, urdf: bytes, page: _Page) -> tuple[str, str]:
+def _check_names(entry: RobotFile, urdf: bytes, page: YamlPage) -> tuple[str, str]:
     """(base link, robot's name in the URDF). The base link of a fixed base is the URDF's root where none is named.
 
     Names are checked here, because here their line in robot.yaml is known.
@@ -78,22 +64,24 @@ def _check_names(entry: RobotFile, urdf: bytes, page: _Page) -> tuple[str, str]:
     for k, joint in enumerate(entry.joints):
         if joint.name not in joints:
             detail = f"the URDF holds no movable joint {joint.name!r}"
-            raise page.fault(detail, "unknown_joint", ("joints", k, "name"), suggestion(joint.name, joints), joint.name)
+            raise BadRobot(
+                page.fault(detail, "unknown_joint", ("joints", k, "name"), suggestion(joint.name, joints), joint.name)
+            )
     fixed = [joint.get("name", "") for joint in robot.findall("joint") if joint.get("type") == "fixed"]
     for k, sensor in enumerate(entry.ft_sensors):
         if sensor.frame not in links and sensor.frame not in fixed:
             detail, advice = f"the URDF holds no frame {sensor.frame!r}", suggestion(sensor.frame, [*links, *fixed])
-            raise page.fault(detail, "unknown_frame", ("ft_sensors", k, "frame"), advice, sensor.frame)
+            raise BadRobot(page.fault(detail, "unknown_frame", ("ft_sensors", k, "frame"), advice, sensor.frame))
     if entry.base_link is not None:
         if entry.base_link not in links:
             detail, advice = f"the URDF holds no link {entry.base_link!r}", suggestion(entry.base_link, links)
-            raise page.fault(detail, "unknown_link", ("base_link",), advice, entry.base_link)
+            raise BadRobot(page.fault(detail, "unknown_link", ("base_link",), advice, entry.base_link))
         return entry.base_link, robot.get("name", "")
     children = {child.get("link") for joint in robot.findall("joint") for child in joint.findall("child")}
     return next(link for link in links if link not in children), robot.get("name", "")
 
 
-def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot:
+def describe(entry: RobotFile, tree: RigidTree, page: YamlPage, name: str) -> Robot:
     return Robot(
         name=name,
         tree=tree,
@@ -119,7 +107,7 @@ def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot
     )
 
 
-def _declared(entry: RobotFile, page: _Page) -> Declared:
+def _declared(entry: RobotFile, page: YamlPage) -> Declared:
     """As stated, and what is usual of the rest."""
     if entry.uncertainty == "none":
         return EXACT
@@ -132,7 +120,7 @@ def _declared(entry: RobotFile, page: _Page) -> Declared:
             if name not in names:
                 advice = suggestion(name, names)
                 pointer = ("uncertainty", "torque_zero", name)
-                raise page.fault(f"no joint {name!r}", "unknown_joint", pointer, advice)
+                raise BadRobot(page.fault(f"no joint {name!r}", "unknown_joint", pointer, advice))
     values = {key: (value, getattr(DECLARED, key)) for key, value in stated.items()}
     left_out = frozenset(key for key, (value, _) in values.items() if value is None)
     return Declared(
@@ -175,12 +163,12 @@ def _coupled(entry: RobotFile) -> list[int]:
     return [names.index(name) for name in (entry.transmission.joints if entry.transmission else [])]
 
 
-def _refuse_repeated(entry: RobotFile, page: _Page) -> None:
+def _refuse_repeated(entry: RobotFile, page: YamlPage) -> None:
     for key, items in (("joints", entry.joints), ("ft_sensors", entry.ft_sensors)):
         names = [item.name for item in items]
         for k, name in enumerate(names):
             if name in names[:k]:
-                raise page.fault(f"{name!r} is listed twice", "duplicate_name", (key, k, "name"))
+                raise BadRobot(page.fault(f"{name!r} is listed twice", "duplicate_name", (key, k, "name")))
     joints = [joint.name for joint in entry.joints]
     transmission = entry.transmission
     if transmission is None:
@@ -188,24 +176,28 @@ def _refuse_repeated(entry: RobotFile, page: _Page) -> None:
     for k, name in enumerate(transmission.joints):
         pointer = ("transmission", "joints", k)
         if name not in joints:
-            raise page.fault(f"no joint {name!r}", "unknown_joint", pointer, suggestion(name, joints), name)
+            raise BadRobot(page.fault(f"no joint {name!r}", "unknown_joint", pointer, suggestion(name, joints), name))
         if name in transmission.joints[:k]:
-            raise page.fault(f"{name!r} is listed twice", "duplicate_name", pointer)
+            raise BadRobot(page.fault(f"{name!r} is listed twice", "duplicate_name", pointer))
         own, written = transmission.matrix[k][k], entry.joints[joints.index(name)].gear_ratio
         if written is not None and not np.isclose(written, own, rtol=1e-6):
             detail = f"joint {name!r} has gear_ratio {written:g}, but its motor's own entry in the matrix is {own:g}"
-            raise page.fault(detail, "gear_mismatch", ("transmission", "matrix", k), "Make them equal.", f"{own:g}")
+            raise BadRobot(
+                page.fault(detail, "gear_mismatch", ("transmission", "matrix", k), "Make them equal.", f"{own:g}")
+            )
     unlogged = [joint.name for joint in entry.joints if joint.actuation == "none" and joint.name in transmission.joints]
     if unlogged and len(unlogged) < len(transmission.joints):
         detail = f"the motors of coupled joints share their torque, but that of {unlogged[0]!r} is not logged"
         advice = "Give all of them `actuation: none`, or log them all."
-        raise page.fault(detail, "coupled_and_not_logged", ("transmission", "joints"), advice, unlogged[0])
+        raise BadRobot(page.fault(detail, "coupled_and_not_logged", ("transmission", "joints"), advice, unlogged[0]))
     block = np.array(transmission.matrix)
     if np.linalg.matrix_rank(block / np.abs(block).max(axis=1, keepdims=True)) < len(block):
-        raise page.fault("the coupling matrix cannot be inverted", "singular_matrix", ("transmission", "matrix"))
+        raise BadRobot(
+            page.fault("the coupling matrix cannot be inverted", "singular_matrix", ("transmission", "matrix"))
+        )
 
 
-def _imu_in_base(entry: RobotFile, tree: RigidTree, page: _Page) -> pin.SE3 | None:
+def _imu_in_base(entry: RobotFile, tree: RigidTree, page: YamlPage) -> pin.SE3 | None:
     """T_base_imu for a floating base; a fixed base has no use for an IMU."""
     if not tree.floating or entry.imu is None:
         return None
@@ -214,8 +206,10 @@ def _imu_in_base(entry: RobotFile, tree: RigidTree, page: _Page) -> pin.SE3 | No
     body, T_body_frame = _frame(name, tree, page, ("imu", key))
     if body != 0:
         detail = f"the IMU sits on {tree.bodies[body]!r}, the base link is {tree.bodies[0]!r}"
-        raise page.fault(
-            detail, "imu_not_on_base", ("imu", key), "Name the link that carries the IMU as base_link.", name
+        raise BadRobot(
+            page.fault(
+                detail, "imu_not_on_base", ("imu", key), "Name the link that carries the IMU as base_link.", name
+            )
         )
     if entry.imu.frame is not None:
         return T_body_frame
@@ -223,15 +217,17 @@ def _imu_in_base(entry: RobotFile, tree: RigidTree, page: _Page) -> pin.SE3 | No
     return T_body_frame * pin.SE3(rotation, np.array(entry.imu.xyz or (0.0, 0.0, 0.0)))
 
 
-def _frame(name: str, tree: RigidTree, page: _Page, pointer: Pointer) -> tuple[int, pin.SE3]:
+def _frame(name: str, tree: RigidTree, page: YamlPage, pointer: Pointer) -> tuple[int, pin.SE3]:
     if name not in tree.frames:
-        raise page.fault(
-            f"the URDF holds no frame {name!r}", "unknown_frame", pointer, suggestion(name, list(tree.frames))
+        raise BadRobot(
+            page.fault(
+                f"the URDF holds no frame {name!r}", "unknown_frame", pointer, suggestion(name, list(tree.frames))
+            )
         )
     return tree.frames[name]
 
 
-def _inertial_std(written: Mapping[str, float], tree: RigidTree, page: _Page) -> dict[str, float]:
+def _inertial_std(written: Mapping[str, float], tree: RigidTree, page: YamlPage) -> dict[str, float]:
     """By body name, "" = every other body."""
     result = {}
     for name, value in written.items():
@@ -239,6 +235,6 @@ def _inertial_std(written: Mapping[str, float], tree: RigidTree, page: _Page) ->
             advice = suggestion(name, tree.bodies)
             if name in tree.frames and tree.frames[name][0] >= 0:
                 advice = f"It is fixed to {tree.bodies[tree.frames[name][0]]!r}: name that one."
-            raise page.fault(f"no moving link {name!r}", "unknown_link", ("inertial_prior_std", name), advice)
+            raise BadRobot(page.fault(f"no moving link {name!r}", "unknown_link", ("inertial_prior_std", name), advice))
         result["" if name == "default" else name] = value
     return result

@@ -5,13 +5,15 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, final
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault, TooLarge
+from exogauge.logs.channels import shorten
 
 try:
     from yaml import CSafeLoader as _SafeLoader
@@ -27,6 +29,19 @@ AS_WRITTEN = re.compile(r"[-+]?(0[0-9_]+|.*:.*)$")
 
 Model = TypeVar("Model", bound=BaseModel)
 Pointer = tuple[str | int, ...]
+
+
+@final
+@dataclass(frozen=True)
+class YamlPage:
+    """The written file: says at which line a fault is."""
+
+    file: str
+    data: bytes
+
+    def fault(self, detail: str, rule: str, pointer: Pointer, advice: str = "", value: object = None) -> Fault:
+        shown = None if value is None else shorten(str(value))
+        return Fault(detail, rule, advice, self.file, place(self.data, pointer), dotted(pointer) or None, shown)
 
 
 class _Loader(_SafeLoader):
