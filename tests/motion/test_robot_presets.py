@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 import shutil
+from dataclasses import replace
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -15,7 +17,12 @@ from tests.motion.robots import STOCK, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_plan import USUAL
+from exogauge.errors import BadMotion
+from exogauge.motion.files import open_motion
+from exogauge.motion.person import person_of
 from exogauge.motion.plan.at_rest import at_home
+from exogauge.motion.plan.retarget import ask
+from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.robot_draft import draft_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.stance import Standing
@@ -176,3 +183,21 @@ def test_feet_and_elbows_are_found_by_their_short_names(tmp_path: Path) -> None:
     assert [sole["link"] for sole in content["soles"]] == ["leg_ank2_r0", "leg_ank2_r1"]  # by where they are
     assert content["human_map"]["thorax"] == "chest"
     assert not [line for line in told if line.startswith("# !")]
+
+
+def test_a_first_round_that_the_solver_gives_up_by_round_off_is_taken_again_nearer_to_where_it_began(
+    tmp_path: Path,
+) -> None:
+    """JVRC-1, planned once more with feet that share evenly: "no motion keeps the feet where they stand", and the plan
+    that there was already was lost too."""
+    robot = load_motion_robot(preset("jvrc1", tmp_path))
+    if not CAPTURES.is_dir():
+        pytest.skip(f"the capture is not there: {CAPTURES.name}")
+    (tmp_path / "02_06.amc").write_bytes(gzip.decompress((CAPTURES / "02_06.amc.gz").read_bytes()))
+    person = person_of(open_motion(tmp_path / "02_06.amc", skeleton=CAPTURES / "02.asf")).cut(0.0, 5.0)
+    strict = replace(USUAL, wrench=0.3, kept=0.95, margin_m=0.03, calm=0.5)
+    rounds = list[Round]()
+    with pytest.raises(BadMotion) as ended:  # once its first stretch is there
+        plan(robot, ask(robot, person)[0], strict, rounds.append, lambda made: True)
+    assert ended.value.faults[0].rule == "not_kept"
+    assert rounds[-1].off < 1.0

@@ -235,6 +235,9 @@ def _settle(
         x, status = _solve(
             csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
         )
+        if x is None and not rounds and still < criteria.stillest:  # by round-off, where all is dear: nearer to it
+            still = min(max(8.0 * still, 1.0), criteria.stillest)
+            continue
         if x is None and rounds:  # slopes promised more than there is: what was reached is judged
             return Planned(*nearest, guess.rounds + rounds, size)
         if x is None:
