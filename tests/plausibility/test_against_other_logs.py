@@ -57,6 +57,19 @@ def test_another_recordings_efforts_are_told_of_their_log_alone(robot: Robot, lo
     assert {each.rule for _, each in found} <= {"effort_unlike", "effort_clock"}
 
 
+def test_a_slip_of_one_log_that_is_wrong_otherwise_as_well_is_the_nearest_of_what_is_tried(tmp_path: Path) -> None:
+    """Another robot's log may look like exchanged joints, and is not mended by exchanging them."""
+    arm = [record(seed) for seed in (1, 2, 3)]
+    swapped = {f"q.{one}": arm[1][f"q.{other}"] for one, other in (("pan", "lift"), ("lift", "pan"))}
+    swapped |= {f"i.{name}": 3.0 * arm[0][f"i.{name}"][::-1] for name in ("elbow", "wrist")}
+    found = told(long_arm(tmp_path), with_one(arm, swapped))
+    assert {log for log, _ in found} == {"log_1"}
+    assert "effort_unlike" in {each.rule for _, each in found}
+    errors = [each for _, each in found if each.severity == "error"]
+    assert errors
+    assert all(each.advice.startswith("look for something else first") for each in errors)
+
+
 def test_short_pieces_of_logs_as_they_are_raise_no_doubt(tmp_path: Path) -> None:
     """In five seconds a joint may bear so little that bodies ten times as heavy explain it a little better."""
     arm = [record(seed) for seed in (1, 2, 3)]

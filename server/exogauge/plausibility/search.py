@@ -81,7 +81,9 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     touched = {(joint, log) for slip in said for joint in slip.remedy.joints for log in slip.logs}
     sought = len(said) < criteria.most_slips  # else there is more to find
     mended = state.expected if said == slips else [Expected(robot, _mended(each, said)) for each in seen]
-    return said, [*unlike_axes(mended, touched)] if sought else [], as_read
+    unlike = [*unlike_axes(mended, touched)] if sought else []
+    odd = {(log,) for each in unlike for log in each.logs} if len(seen) > 1 else set()  # wrong otherwise as well
+    return [replace(each, settled=each.settled and each.logs not in odd) for each in said], unlike, as_read
 
 
 def _mended(seen: Snapshot, slips: Sequence[Slip]) -> Snapshot:
