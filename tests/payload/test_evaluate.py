@@ -19,7 +19,7 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from tests.payload import foreign
-from tests.payload.conftest import GRAVITY, generator
+from tests.payload.conftest import GRAVITY, STD, generator
 from tests.payload.told import still
 
 from exogauge.cli import main
@@ -552,6 +552,24 @@ def test_a_real_imu_in_another_unit_is_refused_and_no_real_posture_is_called_tou
     assert not touched_postures(holds, np.array(payload.file.gravity), told_sign(holds, np.array(payload.file.gravity)))
     with pytest.raises(BadStudy, match=r"ax.*IMU reads 0\.10.*imu\.unit"):
         evaluate(payload)
+
+
+@pytest.mark.slow
+def test_noise_with_heavy_tails_is_no_push(sample: Path, tmp_path: Path) -> None:
+    """Single readings that jump far, again and again: nobody touched anything, and nothing is left out."""
+    folder, rng = tmp_path / "jumping", np.random.default_rng(3)
+    shutil.copytree(sample, folder)
+
+    def jump(columns: dict[str, Array]) -> None:
+        for name, std in zip(("fx", "fy", "fz", "mx", "my", "mz"), STD, strict=True):
+            columns[name] += 0.6 * std * rng.standard_t(2.2, len(columns[name]))
+
+    rewritten(folder / "logs/excitation.parquet", jump)
+    found = evaluate(open_payload(folder))
+    assert not [each for each in found.warnings if "touched" in each]
+    assert found.stages.excitation is not None
+    assert not found.stages.excitation.left_out
+    assert found.missing.decision.verdict != "none"
 
 
 @pytest.mark.slow

@@ -87,6 +87,9 @@ class Moving:
         judgement(RULES),
     )
     bridged_s: float = criterion(0.05, "s", "between two alarms of one contact", judgement(RULES))
+    pushing: float = criterion(
+        0.5, "1", "share of a push's time, at least, in which its force alarms: single jumps are none", judgement(RULES)
+    )
 
 
 USUAL = Moving()

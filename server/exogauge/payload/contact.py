@@ -66,9 +66,23 @@ class Compensation:
         self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float, criteria: Moving = USUAL
     ) -> list[tuple[float, float]]:
         """Spans (from, to) [s] in which the force is more than noise, so many of them wrong per hour."""
+        alarm = self._alarm(motion, wrench, false_alarms_per_hour)
+        return spans(motion.time, alarm, criteria.bridged_s)
+
+    def pushes(
+        self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float, criteria: Moving = USUAL
+    ) -> list[tuple[float, float]]:
+        """Those of `contacts` that alarm most of their time: who pushes goes on doing so. Single samples that jump,
+        however often, are noise with heavy tails, and no push."""
+        alarm = self._alarm(motion, wrench, false_alarms_per_hour)
+        found = spans(motion.time, alarm, criteria.bridged_s)
+        inside = [alarm[(motion.time >= a) & (motion.time <= b)] for a, b in found]
+        return [span for span, own in zip(found, inside, strict=True) if np.mean(own) >= criteria.pushing]
+
+    def _alarm(self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float) -> NDArray[np.bool_]:
         period = float(np.median(np.diff(motion.time)))
         limit = false_alarm_limit(false_alarms_per_hour * period / 3600.0)
-        return spans(motion.time, self.touched(motion, wrench, limit).alarm, criteria.bridged_s)
+        return self.touched(motion, wrench, limit).alarm
 
 
 @final

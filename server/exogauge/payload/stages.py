@@ -348,7 +348,7 @@ def _without_contact(
     for each in moved:
         touched = [
             (a - margin, b + margin)
-            for a, b in compensation.contacts(each.motion, each.wrench, rate, criteria.payload_dynamic)
+            for a, b in compensation.pushes(each.motion, each.wrench, rate, criteria.payload_dynamic)
             if b - a > margin / 4
         ]
         time = each.motion.time
