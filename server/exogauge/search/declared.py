@@ -185,7 +185,8 @@ def _best(model: RobotModel, logs: Sequence[Mapping[int, _Sums]]) -> Array:
         for kind, each in log.items():
             H[np.ix_(at, at)] += weights[kind] * each.own
             g[at] += weights[kind] * each.with_residual
-    root = np.linalg.cholesky(H).T
+    curvature, vectors = np.linalg.eigh(H)
+    size = np.sqrt(np.maximum(curvature, 1.0))  # the prior's own is 1: less is rounding, beside what rows may weigh
     most = model.criteria.judging.declared_most
-    u = lsq_linear(root, np.linalg.solve(root.T, g), (-most, most), method="bvls").x
+    u = lsq_linear(size[:, None] * vectors.T, vectors.T @ g / size, (-most, most), method="bvls").x
     return np.stack([u[at] for at in places])
