@@ -66,8 +66,7 @@ class Compensation:
         self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float, criteria: Moving = USUAL
     ) -> list[tuple[float, float]]:
         """Spans (from, to) [s] in which the force is more than noise, so many of them wrong per hour."""
-        alarm = self._alarm(motion, wrench, false_alarms_per_hour)
-        return spans(motion.time, alarm, criteria.bridged_s)
+        return spans(motion.time, self._alarm(motion, wrench, false_alarms_per_hour), criteria.bridged_s)
 
     def pushes(
         self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float, criteria: Moving = USUAL
