@@ -43,7 +43,7 @@ class About(StrEnum):
     MOTION_DOUBTFUL = "motion_doubtful"  # the log and its reference; -; joint; share of its rms velocity, limit, [rad]
     SESSION_UNKNOWN = "session_unknown"  # logs that do not say when they began
     NO_RUN_AFTER = "no_run_after"  # motions
-    DRIFT_FOUND = "drift_found"  # joints; share by which each gives more at the end of the session, its doubt [%]
+    DRIFT_FOUND = "drift_found"  # coefficient and joint; share that it changes by through the session, its doubt [%]
     ZEROS_FOUND = "zeros_found"  # components; how far the sum of feet moved by the end, its doubt [N, N·m]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"

@@ -22,7 +22,10 @@ from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import band_wires, rows_with, stretches
 
 SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
-DECLARED = Declared(0.01, 0.01, 2.0, 0.2, 0.01, 0.009)
+DECLARED = Declared(
+    ft_gain=0.01, ft_gain_common=0.01, ft_zero_force=2.0, ft_zero_moment=0.2, kt_drift=0.01, viscous_drift=0.1,
+    coulomb_drift=0.05, imu_tilt=0.009,
+)  # fmt: skip
 EVERY = np.arange(6)
 FORCES = [f"f{axis}" for axis in "xyz"] + [f"m{axis}" for axis in "xyz"]
 Spoil = Callable[[Log], Log]

@@ -17,10 +17,10 @@ from scipy.optimize import lsq_linear
 
 from exogauge.findings.result import Excess, WithinDeclared
 from exogauge.identification.disturbances import (
-    DRIFT,
     ZERO,
     common_columns,
     drift_columns,
+    drifts_in_doubt,
     zero_columns,
     zeros_in_doubt,
 )
@@ -121,13 +121,10 @@ def _within_inputs(
 
 def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Array) -> tuple[str, ...]:
     """Kinds of inputs that do a part worth telling of what all of them do to the residuals, what does most first."""
-    shared, own = _sizes(model)
-    zeros = len(shared) - len(model.inputs.names)
-    names = [
-        *(each.partition(".")[0] for each in model.inputs.names),
-        *[ZERO] * 2 * zeros,
-        *[DRIFT] * (len(own) - zeros),
-    ]
+    zeros = len(_sizes(model)[0]) - len(model.inputs.names)
+    names = [each.partition(".")[0] for each in model.inputs.names] + [ZERO] * 2 * zeros
+    for drift, size in drifts_in_doubt(model.robot).items():
+        names += [drift] * len(size)
     done = dict.fromkeys(names, 0.0)
     for name in done:
         for u, log in zip(np.where(np.array(names) == name, inputs, 0.0), logs, strict=True):
@@ -138,10 +135,10 @@ def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Arr
 
 def _sizes(model: RobotModel) -> tuple[Array, Array]:
     """Standard deviations of what all logs share, zeros among it, and of what is another in each log."""
-    zeros, drift = zeros_in_doubt(model.robot), model.robot.declared.kt_drift
+    zeros = zeros_in_doubt(model.robot)
     zeros = zeros if zeros.any() else np.zeros(0)
-    motors = np.full(len(model.robot.joints) if drift > 0.0 else 0, drift)
-    return np.concatenate([model.inputs.std, zeros]), np.concatenate([zeros, motors])
+    motors = list(drifts_in_doubt(model.robot).values())
+    return np.concatenate([model.inputs.std, zeros]), np.concatenate([zeros, *motors])
 
 
 def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
@@ -153,7 +150,8 @@ def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
         common_columns(equations, prepared, kept, model.cutoff_hz, phi),
         zero_columns(equations, prepared, kept),
     )
-    drift = drift_columns(equations, model.k_T, prepared, kept)
+    columns = drift_columns(equations, model.identified.xi, prepared, kept)
+    drifts = [columns[name] for name in drifts_in_doubt(model.robot)]
     at_rest, axes = layout.numbers(RowType.AT_REST), layout.told.axes
     shared, own = _sizes(model)
     moved = np.hstack([model.inputs.moved, model.inputs.moved_by_zeros])
@@ -166,8 +164,9 @@ def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
             zero = zeros[chunk.samples, :, told] if told < axes.stop else np.zeros((len(chunk.samples), Z))
             alike = np.hstack([common[chunk.samples, :, told], zero]) + chunk.block[:, :-1] @ moved[chunk.columns]
             motors = np.zeros((len(chunk.samples), len(own) - Z))
-            if row.type == RowType.AXIS and motors.size:
-                motors[:, row.place] = drift[chunk.samples, row.place]
+            if row.type == RowType.AXIS:
+                for number, drift in enumerate(drifts):
+                    motors[:, number * drift.shape[1] + row.place] = drift[chunk.samples, row.place]
             C, e = -np.hstack([alike * shared, np.hstack([zero, motors]) * own]), chunk.residual(x)
             new, old = _Sums(C.T @ C, C.T @ e, float(e @ e)), sums.get(chunk.kind)
             sums[chunk.kind] = new if old is None else old.with_rows(new)

@@ -41,8 +41,10 @@ TOLERANCES = (
     Tolerance("feet_tilt", "robot", "", "tilt of a foot sensor about each axis [rad]", 1.0),
     Tolerance("imu_mounting", "robot", "imu_tilt", "tilt about each horizontal axis [rad]", math.sqrt(0.5)),
     Tolerance("kt_warming", "robot", "kt_drift", "change of k_T over the session", _HALF_MORE),
-    Tolerance("friction_warming", "robot", "", "change of k_d over the session", _HALF_MORE),
-    Tolerance("friction_warming", "robot", "", "change of tau_c over the session", COULOMB_WARMS * _HALF_MORE),
+    Tolerance("friction_warming", "robot", "viscous_drift", "change of k_d over the session", _HALF_MORE),
+    Tolerance(
+        "friction_warming", "robot", "coulomb_drift", "change of tau_c over the session", COULOMB_WARMS * _HALF_MORE
+    ),
     Tolerance("clock_jitter", "robot", "", "of a time stamp [s]", 1.0),
     Tolerance("via_points", "device", "via_points", "each coordinate of a via point [m]", 1.0),
     Tolerance("donning", "device", "donning", "a band's length from one log to the next, its ends' with it [m]",

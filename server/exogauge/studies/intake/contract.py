@@ -281,6 +281,8 @@ class RobotUncertainty(_Part):
     ft_zero_force: NotNegative | None = None
     ft_zero_moment: NotNegative | None = None
     kt_drift: NotNegative | None = None
+    viscous_drift: NotNegative | None = None
+    coulomb_drift: NotNegative | None = None
     imu_tilt: NotNegative | None = None
     torque_zero: NotNegative | dict[Name, NotNegative] | None = None
 

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.identification.disturbances import drifts_in_doubt
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
@@ -128,7 +129,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         robot_file=robot_file,
         robot=robot,
         urdf=urdf,
-        settings=settings,
+        settings=replace(settings, started=session.started),
         log_names=names,
         steps=steps,
         support_settings=replace(support_settings, started=session.started),
@@ -324,7 +325,7 @@ def read_session(file: StudyFile, names: Sequence[str], robot: Robot) -> Session
         for roles in (("without_device", "validation"), ("with_device",))
     )
     both = [motion for motion in dict.fromkeys(worn.values()) if motion in plain.values()]
-    if not both or robot.declared.kt_drift <= 0.0 or all(each.actuation != "current" for each in robot.joints):
+    if not both or not drifts_in_doubt(robot):
         return Session(started)
     if untold:
         return Session(started, (Remark(About.SESSION_UNKNOWN, untold),))

@@ -139,15 +139,16 @@ FORMS: Mapping[About, Form] = {
     ),
     About.SESSION_UNKNOWN: Form(
         "When these logs began is not said: {names}. So what motors do as they warm up cannot be told from the device, "
-        "and all of `kt_drift` stays in doubt. Say it of every log (`started`, in seconds from the first)."
+        "and all that is declared of it stays in doubt. Say it of every log (`started`, in seconds from the first)."
     ),
     About.NO_RUN_AFTER: Form(
         "No log without the device was recorded after the last one with it: {names}. Record each motion without, with "
         "and without the device again, so that what motors and sensors do meanwhile is not taken for the device."
     ),
     About.DRIFT_FOUND: Form(
-        "From the first to the last logs without the device, motors changed what they give per ampere; by the end of "
-        "the session: {names}. It is taken off all estimates; what is left in doubt of it is in their budgets.",
+        "From the first to the last logs without the device, motors changed what they give per ampere (k_T) or how "
+        "they rub (k_d, tau_c); by the end of the session: {names}. It is taken off all estimates; what is left in "
+        "doubt of it is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f} %",
     ),
     About.ZEROS_FOUND: Form(
