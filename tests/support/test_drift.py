@@ -127,6 +127,38 @@ def test_a_session_that_ran_the_other_way_round_is_told_as_it_was(model, clean, 
     assert abs(told[pitch] - truth[pitch]) < 3.0 * std[pitch] + 1e-4
 
 
+@pytest.fixture(scope="module")
+def warmed(biped, suit, stoop):
+    """Logs of drives that rub less as they warm: viscous friction by 10 % by the end, Coulomb by half of it."""
+
+    def of_log(k, name):
+        less = 0.1 * EACH * warm(STARTS[name])
+        xi = biped.xi | {"k_d": biped.xi["k_d"] * (1.0 - less), "tau_c": biped.xi["tau_c"] * (1.0 - 0.5 * less)}
+        bands = suit.bands if "worn" in name else ()
+        return replace(biped, xi=xi).record(stoop(k), name, bands, noise=1.0, seed=k).log
+
+    return {name: of_log(k, name) for k, name in enumerate(STARTS)}
+
+
+RUBS = Declared(kt_drift=SIZE, viscous_drift=0.1, coulomb_drift=0.05)
+
+
+def test_drives_that_rub_less_as_they_warm_are_told_from_motors_that_give_more(biped, warmed, suit):
+    model = replace(biped, robot=replace(biped.robot, declared=RUBS)).known()
+    plain = [PlainLog(warmed[name], "stoop", name != "fit") for name in STARTS if "worn" not in name]
+    worn = [WornLog(warmed[name], "stoop", suit) for name in STARTS if "worn" in name]
+    drift, pitch = found(model, plain, worn), JOINTS.index("torso_pitch")
+    assert drift.names == ("kt_drift", "viscous_drift", "coulomb_drift")
+    for name in ("worn1", "worn2"):
+        told = drift.share(warmed[name]) - drift.share(warmed["before1"])
+        truth = np.multiply.outer(EACH * (warm(STARTS["before1"]) - warm(STARTS[name])), [0.0, 0.1, 0.05])
+        std = np.linalg.norm(drift.inputs(warmed[name]) - drift.inputs(warmed["before1"]), axis=2)
+        assert np.all(np.abs(told - truth) < 3.0 * std)
+        rubs = np.array([0.0, biped.xi["k_d"][pitch] * 0.4, biped.xi["tau_c"][pitch]])  # at a usual speed [rad/s]
+        assert abs(rubs @ (told - truth)[pitch]) < 0.3 * abs(rubs @ truth[pitch])
+        assert abs(told[pitch, 0]) < 0.1 * SIZE
+
+
 @pytest.mark.parametrize("untold", ["fit", "worn2", "after1"])
 def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clean, suit, untold):
     plain, worn = asked(clean, suit, -1.0)

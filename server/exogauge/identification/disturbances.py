@@ -117,7 +117,8 @@ def type_b(
     started: Mapping[str, float],
 ) -> TypeB:
     """Through the normal equations of the solution. logs: fitted. xi: (A, K) coefficients of the equations' effects.
-    started: `Settings.started`; where it is said, drifts are courses of the session, else another share in each log."""
+    started: `Settings.started`; where it is said, drifts are courses of the session, 0 on the average of these logs,
+    and so are zeros that were taken once, 0 as it begins; else they are others in each log."""
     robot = equations.robot
     names, std = common_inputs(robot)
     motors, zeros = drifts_in_doubt(robot), zeros_in_doubt(robot)
@@ -156,7 +157,10 @@ def type_b(
     common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, *motors)}
     zeros_alike = np.zeros((P, zeros.size if zeros.any() else 0))
     known = session([each.log for each in logs], [True] * len(logs), started)
-    along = {name: np.zeros((len(DECLARED.warming_s), P, len(size))) for name, size in motors.items() if known}
+    going = dict(motors)
+    if robot.declared.zeros_taken_once and zeros.any():
+        going[ZERO] = zeros
+    along = {name: np.zeros((len(DECLARED.warming_s), P, len(size))) for name, size in going.items() if known}
     for prepared, sums in zip(logs, side_by_side(of_log, logs), strict=True):
         common += sums.common
         zeros_alike += sums.zeros
@@ -165,7 +169,7 @@ def type_b(
             own[ZERO] = sums.zeros * zeros
         for name, B in own.items():
             if known is not None and name in along:
-                course = known.course[known.logs[prepared.log.name]]
+                course = (known.gone if name == ZERO else known.course)[known.logs[prepared.log.name]]
                 along[name] += np.multiply.outer(course / np.sqrt(len(course)), B)
             else:
                 V = solution.unbounded.divided(B)

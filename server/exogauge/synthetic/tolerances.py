@@ -52,15 +52,17 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def uncertainty(file: File, sizes: Disturbances) -> Mapping[str, float] | Literal["none"]:
-    """What that file says under `uncertainty`: every key it knows, 0 where nothing of the kind happens."""
+def uncertainty(file: File, sizes: Disturbances) -> Mapping[str, float | str] | Literal["none"]:
+    """What that file says under `uncertainty`: every key it knows, 0 where nothing of the kind happens; when zeros were
+    taken."""
     if not sizes:
         return "none"
     squares: dict[str, float] = {}
     for each in TOLERANCES:
         if each.file == file and each.key:
             squares[each.key] = squares.get(each.key, 0.0) + (each.std * sizes.get(each.disturbance, 0.0)) ** 2
-    return {key: float(f"{math.sqrt(square):.2g}") for key, square in squares.items()}
+    stated: dict[str, float | str] = {key: float(f"{math.sqrt(square):.2g}") for key, square in squares.items()}
+    return stated | ({"zeros_taken": "session"} if file == "robot" and "feet_drift" in sizes else {})
 
 
 def declared(sizes: Disturbances) -> list[dict[str, Any]]:
