@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-ROUNDS = 60  # of active sets; a handful settle them
 
 
 @final
@@ -29,11 +28,12 @@ def solve_bounded(shared: Array, g: Array, blocks: Sequence[Block], most: float)
     H = I + what is no less than none. By active sets of both bounds at once (Hintermüller, Ito & Kunisch 2003): those
     unknowns stay at a bound that the gradient holds there. What is left of a curvature is at least 1; less is rounding.
     """
+    rounds = 60  # of active sets; a handful settle them
     sizes = np.cumsum([len(g), *(len(block.g) for block in blocks)])[:-1]
     everything = np.concatenate([g, *(block.g for block in blocks)])
     diagonal = np.concatenate([np.diag(shared), *(np.diag(block.own) for block in blocks)])
     side, u = np.zeros(len(everything)), np.zeros(len(everything))
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         at = np.split(side, sizes)
         u = np.concatenate(_solved(shared, g, blocks, at, most))
         pull = np.where(side == 0.0, 0.0, everything - _times(shared, blocks, np.split(u, sizes)))

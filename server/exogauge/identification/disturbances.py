@@ -90,9 +90,12 @@ def _tilted(equations: Equations, prepared: Prepared, axis: int, cutoff_hz: floa
 def drifts_in_doubt(robot: Robot) -> dict[str, Array]:
     """Each drift that is declared -> (A,) standard deviation of every motor's share; of k_T none where torque is
     logged."""
-    driven = np.array([joint.actuation == "current" for joint in robot.joints])
-    found = {name: np.full(len(driven), float(getattr(robot.declared, name))) for name in DRIFTS}
-    found["kt_drift"] *= driven
+    declared, driven = robot.declared, np.array([joint.actuation == "current" for joint in robot.joints])
+    found = {
+        "kt_drift": declared.kt_drift * driven,
+        "viscous_drift": np.full(len(driven), declared.viscous_drift),
+        "coulomb_drift": np.full(len(driven), declared.coulomb_drift),
+    }
     return {name: size for name, size in found.items() if size.any()}
 
 
