@@ -31,7 +31,7 @@ from exogauge.motion.plan.export import exported, sheet
 from exogauge.motion.plan.frame_by_frame import frame_by_frame
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.outcome import margins, motion_table, slow, summarise
-from exogauge.motion.plan.possible import what_would_do
+from exogauge.motion.plan.possible import kept, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes, sole_rows
 from exogauge.motion.plan.solve import Round, plan
@@ -280,15 +280,22 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
-@pytest.mark.slow
-def test_legs_bear_a_plan_where_the_feet_share_evenly_too(robot: MotionRobot, tmp_path: Path) -> None:
-    """A table does not say how they share: the knee that a plan spared by leaning on the other was told as broken."""
+@pytest.fixture(scope="module")
+def leaning(robot: MotionRobot) -> tuple[MotionRobot, Asked]:
+    """A knee that bears what it is asked only where the other leg takes more."""
     asked = bend(robot, 0.5, 1.0)
     asked.q[:, 1] += 0.1 * (asked.q[:, at(robot, "torso_pitch")] - robot.home[at(robot, "torso_pitch")])
     knee = robot.joints.index("l_knee_pitch")
     torque = robot.limits.torque.copy()
     torque[knee] = 0.9 * np.abs(judge(robot, plan(robot, asked).spline, asked.place[0]).torque[:, knee]).max()
     spared = replace(robot, limits=replace(robot.limits, torque=torque))
+    return spared, asked
+
+
+@pytest.mark.slow
+def test_legs_bear_a_plan_where_the_feet_share_evenly_too(leaning, tmp_path: Path) -> None:
+    """A table does not say how they share: the knee that a plan spared by leaning on the other was told as broken."""
+    spared, asked = leaning
     alone = plan(spared, asked)
     assert judge(spared, alone.spline, asked.place[0], planned=alone).broken == ()
     assert [line.split(":")[0] for line in judge(spared, alone.spline, asked.place[0]).broken] == [
@@ -300,6 +307,30 @@ def test_legs_bear_a_plan_where_the_feet_share_evenly_too(robot: MotionRobot, tm
     (tmp_path / "m.csv").write_bytes(motion_table(spared, judged))
     table = read_written(spared, tmp_path / "m.csv")
     assert judge(spared, table, asked.place[0], rate=1000.0, planned=table).broken == ()
+
+
+@pytest.mark.slow
+def test_a_plan_stays_where_the_one_that_is_sought_in_its_place_is_not_found(robot: MotionRobot, bent) -> None:
+    """The second one keeps all of its bounds for between the nodes: no motion does, and the first was lost with it."""
+    asked, _ = bent
+    careless = replace(USUAL, margin_m=USUAL.inside_m - 0.005, more_kept=USUAL.kept - 1e-12)
+    with pytest.raises(BadMotion) as told:
+        plan(robot, asked, replace(careless, kept=USUAL.kept - careless.more_kept))
+    assert told.value.faults[0].rule == "no_motion"
+    planned, judged = plan_within(robot, asked, careless)
+    assert [line.split(":")[0] for line in judged.broken] == ["centre of pressure inside the soles"]
+    assert judged.least_inside == pytest.approx(USUAL.inside_m, abs=0.006)
+    assert planned.rounds > 0
+
+
+@pytest.mark.slow
+def test_what_would_do_holds_where_the_plan_of_it_does(leaning) -> None:
+    """Feet that share evenly cannot be had: the plan that keeps every bound without is given, and so it is promised.
+    The search ended the second plan at its first stretch, and with it the first."""
+    spared, asked = leaning
+    hopeless = replace(USUAL, evenly=(1e-8,))
+    assert plan_within(spared, asked, hopeless)[1].broken == ()
+    assert kept(spared, asked, hopeless)
 
 
 def test_a_table_of_degrees_is_refused_and_one_that_breaks_its_bounds_is_judged(
