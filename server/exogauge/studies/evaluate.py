@@ -46,7 +46,7 @@ from exogauge.studies.results.discrepancy_results import (
     motion_table,
     planned_files,
 )
-from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
+from exogauge.studies.results.document import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import (
     examine_logs,
     refuse_what_made_it_worse,
@@ -55,6 +55,7 @@ from exogauge.studies.results.examine_logs import (
     without_other_clocks,
 )
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over

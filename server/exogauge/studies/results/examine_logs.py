@@ -26,7 +26,7 @@ from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import expectation
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
 
