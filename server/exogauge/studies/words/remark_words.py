@@ -113,6 +113,14 @@ FORMS: Mapping[About, Form] = {
         "logs. State that delay in their mapping to have them back.",
         each="{name} ({0:+.2f} s)",
     ),
+    About.LOGS_SPOILED: Form(
+        "Left out, as the doctor holds it for spoiled: {names} ({file}). Nothing is fitted to it, or judged by it. To "
+        "have it back, do what the doctor advises: {worst}."
+    ),
+    About.SPOILED_FIT: Form(
+        "What is fitted is spoiled: {names} ({file}). No other log is there to be fitted, so no effect is named and no "
+        "number that rests on it counts as decided by the data. Mend that first: {worst}."
+    ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."
     ),
