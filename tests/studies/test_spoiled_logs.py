@@ -82,6 +82,7 @@ def exchanged(columns: Columns) -> Columns:
 def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decided(
     floating: bool, spoil: Callable[[Columns], Columns], channel: str, tmp_path: Path
 ) -> None:
+    """A dead position of the floating robot is contradicted in one fitted log alone; it is as dead in the other."""
     logs = {name: spoil(rippled(columns)) for name, columns in recorded(floating).items()}
     found = evaluated(tmp_path, logs, floating)
     told = [each for each in found["notices"] if each["code"] == "spoiled_fit"]

@@ -84,6 +84,11 @@ def without_spoiled(
     for each in findings:
         if each["channel"] in needed and (each["severity"] == "error" or each["rule"] in SPOILING):
             against.setdefault(each["log"], each)
+    dead = {each["channel"]: each for each in findings if each["rule"] == "position_dead"}
+    for each in findings:  # what is dead in one log is so where it stays at the same number
+        same = dead.get(each["channel"]) if each["rule"] == "does_not_move" else None
+        if same is not None and np.isclose(each["value"], same["value"], rtol=0.0, atol=1e-9):
+            against.setdefault(each["log"], same)
     gone = [each for each in recordings if each.log.name in against and each.log.recording not in kept]
     used = [each for each in recordings if each not in gone]
     if gone and all(each.held_out for each in used):
