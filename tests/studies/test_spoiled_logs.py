@@ -93,6 +93,7 @@ def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decid
         assert each["sentence"] in found["report"]
     assert found["discrepancy"]["verdict"] == "undecided"
     assert found["discrepancy"]["findings"] == []
+    assert "urdf" not in found["files"]
     assert "the doctor holds id_1 for spoiled" in found["discrepancy"]["sentence"]
     parameters = found["identification"]["parameters"]
     assert parameters

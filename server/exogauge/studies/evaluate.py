@@ -298,6 +298,11 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         evaluation = replace(evaluation, taken_over=_write_taken_over(study, evaluation, temporary, files))
         files |= _write_all_series(evaluation, temporary)
         urdf, notices = identified_urdf(study, found)
+        if any(each.code == About.SPOILED_FIT for each in evaluation.notices):
+            urdf, notices = (
+                None,
+                [Notice("no_urdf", "No URDF with identified inertias was written: the fit is spoiled.")],
+            )
         if urdf is not None:
             (temporary / URDF).write_bytes(urdf)
             files["urdf"] = URDF
