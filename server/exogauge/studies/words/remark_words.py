@@ -31,6 +31,14 @@ FORMS: Mapping[About, Form] = {
         "{1:.4g}, {2:.4g}, {3:.4g}). The nearest possible one is taken: correct the URDF if it matters.",
         each="'{name}'",
     ),
+    About.TOO_DENSE: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is denser than {1:.2g} kg/m³: no "
+        "matter is. Masses are in kg and inertias in kg·m²: were the masses written in grams?"
+    ),
+    About.TOO_LIGHT: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is lighter than {1:.2g} kg/m³: no "
+        "robot is. Masses are in kg and inertias in kg·m²: were the inertias written in kg·mm² or g·mm²?"
+    ),
     About.FACTOR_OPEN: Form(
         "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
         "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load "
