@@ -42,7 +42,7 @@ def told(request, tmp_path_factory):
 def test_the_motor_that_bends_the_trunk_is_told_with_its_sign_and_size(told):
     truth, known, _ = told
     (remark,) = [each for each in known[0].remarks if each.about == "drift_found"]
-    percent, std = remark.each[remark.names.index("torso_pitch")]
+    percent, std = remark.each[remark.names.index("k_T torso_pitch")]
     share = truth["disturbances"]["kt_warming"]["share"]["torso_pitch"]
     true = -100.0 * share * np.mean(truth["session"]["logs"]["bend_plain_7"]["warmer"])
     assert abs(percent - true) < 2.5 * std

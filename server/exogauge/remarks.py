@@ -13,6 +13,8 @@ class About(StrEnum):
 
     # the URDF
     INERTIA_RAISED = "inertia_raised"  # links; -; file, worst link; by how much [kg·m²], its principal moments
+    TOO_DENSE = "too_dense"  # -; -; file; mass of all links [kg], density that half of it exceeds [kg/m³]
+    TOO_LIGHT = "too_light"  # -; -; file; the same, density that half of it is below
     # the identification
     FACTOR_OPEN = "factor_open"
     LOAD_NOT_FITTED = "load_not_fitted"  # loads; mass [kg]
@@ -45,7 +47,7 @@ class About(StrEnum):
     MOTION_DOUBTFUL = "motion_doubtful"  # the log and its reference; -; joint; share of its rms velocity, limit, [rad]
     SESSION_UNKNOWN = "session_unknown"  # logs that do not say when they began
     NO_RUN_AFTER = "no_run_after"  # motions
-    DRIFT_FOUND = "drift_found"  # joints; share by which each gives more at the end of the session, its doubt [%]
+    DRIFT_FOUND = "drift_found"  # coefficient and joint; share that it changes by through the session, its doubt [%]
     ZEROS_FOUND = "zeros_found"  # components; how far the sum of feet moved by the end, its doubt [N, N·m]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"

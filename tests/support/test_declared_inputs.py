@@ -22,14 +22,21 @@ from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import band_wires, rows_with, stretches
 
 SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
-DECLARED = Declared(0.01, 0.01, 2.0, 0.2, 0.01, 0.009)
+DECLARED = Declared(
+    ft_gain=0.01, ft_gain_common=0.01, ft_zero_force=2.0, ft_zero_moment=0.2, kt_drift=0.01, viscous_drift=0.1,
+    coulomb_drift=0.05, imu_tilt=0.009,
+)  # fmt: skip
 EVERY = np.arange(6)
 FORCES = [f"f{axis}" for axis in "xyz"] + [f"m{axis}" for axis in "xyz"]
 Spoil = Callable[[Log], Log]
 
 
-def identified(robot, logs):
-    return identify(robot, [Recording(log, held_out=False) for log in logs], SETTINGS).model
+STARTED = {"log1": 100.0, "log2": 900.0, "later": 1800.0}
+
+
+def identified(robot, logs, started=None):
+    settings = replace(SETTINGS, started=started or {})
+    return identify(robot, [Recording(log, held_out=False) for log in logs], settings).model
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +127,7 @@ def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_
 
 @pytest.mark.slow
 def test_zeros_and_motors_of_one_log_move_the_parameters_as_far_as_is_said(biped, robot, logs):
+    """Friction drifts by the same rule, and is held by the torque that it makes (below)."""
     log, squares = logs[0], {"ft_zero": 0.0, "kt_drift": 0.0}
     model = identified(robot, [log])
     for sensor in biped.robot.contacts:
@@ -136,6 +144,79 @@ def test_zeros_and_motors_of_one_log_move_the_parameters_as_far_as_is_said(biped
         squares["kt_drift"] += ((again.solution.unbounded.x - model.solution.unbounded.x) / step) ** 2
     for name, square in squares.items():
         assert astray(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log[name]))) < 0.15
+
+
+def moved(robot, logs, spoilt, step):
+    """(P,) of x per unit of what spoils these logs."""
+    before, after = identified(robot, logs), identified(robot, spoilt)
+    return (after.solution.unbounded.x - before.solution.unbounded.x) / step
+
+
+def gone(log):
+    """(R,) how far the courses have gone by the middle of a log, as 0013 and 0026 have it."""
+    now, end = STARTED[log.name] + float(log.time.mean()), STARTED["later"]
+    warming, first = np.array(DEFAULT_DOUBTS.warming_s), STARTED["log1"]
+    return np.expm1(-(now - first) / warming) / np.expm1(-(end - first) / warming)
+
+
+@pytest.mark.slow
+def test_through_a_known_session_motors_drift_by_its_courses(biped, robot, logs):
+    """One share less in the first log and as much more in the second, of each motor: k_T is what it was between."""
+    assert logs[0].time[-1] == logs[1].time[-1]
+    square, step = 0.0, 0.05
+    for joint in biped.robot.joints:
+        name = f"i.{joint.name}"
+        spoilt = [
+            changed(log, {name: log.channels[name] / (1.0 + sign * step * DECLARED.kt_drift)})
+            for sign, log in zip((-1.0, 1.0), logs, strict=True)
+        ]
+        square = square + moved(robot, logs, spoilt, step) ** 2
+    half = 0.5 * (gone(logs[1]) - gone(logs[0]))
+    expected = np.sqrt(square * np.mean(half**2))
+    model = identified(robot, logs, STARTED)
+    assert astray(model, expected, np.sqrt(np.diag(model.inputs.by_log["kt_drift"]))) < 0.1
+
+
+@pytest.mark.parametrize("name", ["kt_drift", "viscous_drift", "coulomb_drift"])
+def test_what_one_fitted_log_of_a_known_session_was_recorded_with_is_what_drifts_are_counted_from(robot, logs, name):
+    alone = identified(robot, logs[:1], {"log1": 0.0, "later": 900.0})
+    assert name not in alone.inputs.by_log
+    assert name in identified(robot, logs[:1]).inputs.by_log
+
+
+@pytest.mark.slow
+def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot, logs):
+    taken = replace(robot, declared=replace(DECLARED, zeros_taken_once=True))
+    square, step, courses = 0.0, 0.02, [gone(log) for log in logs]
+    for sensor in biped.robot.contacts:
+        for each in FORCES:
+            size = DECLARED.ft_zero_force if each[0] == "f" else DECLARED.ft_zero_moment
+            name, by_log = f"ft.{sensor.name}.{each}", list[np.ndarray]()
+            for k, log in enumerate(logs):
+                spoilt = [*logs]
+                spoilt[k] = changed(log, {name: log.channels[name] + step * size})
+                by_log.append(moved(robot, logs, spoilt, step))
+            square = square + np.mean(np.tensordot(courses, by_log, (0, 0)) ** 2, axis=0)
+    model = identified(taken, logs, STARTED)
+    assert astray(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log["ft_zero"]))) < 0.15
+
+
+@pytest.mark.parametrize(("friction", "declared"), [("k_d", "viscous_drift"), ("tau_c", "coulomb_drift")])
+def test_a_motor_that_rubs_more_in_the_log_with_the_device_takes_from_the_support(
+    biped, model, suit, wander, friction, declared
+):
+    more = getattr(DECLARED, declared)
+    rubs = replace(biped, xi=biped.xi | {friction: biped.xi[friction] * (1.0 + more)})
+    usual, other = (each.record(wander(5), "worn", bands=suit.bands).log for each in (biped, rubs))
+    known = replace(model, identified=replace(model.identified, xi=biped.known().identified.xi))
+    prepared, samples = known.prepare(usual), np.arange(100, 700, 20)
+    before, after = (balance(known, known.prepare(log), EVERY) for log in (usual, other))
+    expected = of_this_log(known, prepared, samples, EVERY)[declared]
+    for joint in biped.torso:
+        steady = before.steady[samples, joint]
+        change = (after.torque - before.torque)[samples, joint][steady]
+        assert np.abs(change).max() > 0.02
+        np.testing.assert_allclose(change, expected[steady, joint, joint], rtol=0.05, atol=0.01)
 
 
 def test_a_motor_that_drifts_in_the_log_with_the_device_is_taken_for_support(biped, model, suit, wander):

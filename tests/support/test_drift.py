@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from exogauge.criteria.identifying import DECLARED
+from exogauge.identification.session import courses
 from exogauge.robots.description import Declared
 from exogauge.support.balance import balance
-from exogauge.support.drift import Drift, find_drift, told_by_runs
+from exogauge.support.drift import Drift, Runs, find_drift, told_by
 from exogauge.support.evaluate import estimate_support
-from exogauge.support.session import courses
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 
 SIZE, EVERY = 0.02, np.arange(6)
@@ -65,7 +65,9 @@ def found(model, plain, worn, started=STARTS):
 def test_a_drift_that_is_known_is_taken_off_to_the_last_digit(biped, clean):
     model, share = biped.known(), SIZE * EACH
     log = clean["worn1"]
-    drift = Drift({log.name: 0}, np.ones((1, 1)), share[:, None], np.zeros((6, 1, 1)), np.ones(6, dtype=bool))
+    drift = Drift(
+        ("kt_drift",), {log.name: 0}, np.ones((1, 1)), share[:, None, None], np.zeros((6, 1, 1)), np.ones(6, dtype=bool)
+    )
     spoilt = balance(model, model.prepare(drifted(log, share)), EVERY)
     as_it_was = balance(model, model.prepare(log), EVERY).torque
     assert np.abs(spoilt.torque - as_it_was).max() > 0.5
@@ -73,16 +75,21 @@ def test_a_drift_that_is_known_is_taken_off_to_the_last_digit(biped, clean):
 
 
 def test_what_is_left_in_doubt_of_it_is_what_it_takes_off_per_standard_deviation(any_biped, stoop):
-    model, log = any_biped.known(), any_biped.record(stoop(1), "one").log
-    rng = np.random.default_rng(0)
-    root = np.tril(rng.normal(size=(6, 2, 2)))
-    drift = Drift({"one": 0}, rng.normal(size=(1, 2)), np.zeros((6, 2)), root, np.ones(6, dtype=bool))
+    """Of several drifts that are not told apart: all that one input does, whatever it is counted as."""
+    declared = Declared(kt_drift=SIZE, viscous_drift=0.1, coulomb_drift=0.05)
+    model = replace(any_biped, robot=replace(any_biped.robot, declared=declared)).known()
+    log, rng = any_biped.record(stoop(1), "one").log, np.random.default_rng(0)
+    root = np.tril(rng.normal(size=(6, 6, 6)))
+    names = ("kt_drift", "viscous_drift", "coulomb_drift")
+    drift = Drift(names, {"one": 0}, rng.normal(size=(1, 2)), np.zeros((6, 3, 2)), root, np.ones(6, dtype=bool))
     own, samples = balance(model, model.prepare(log), EVERY), np.arange(50, 400, 10)
     doubt = drift.doubt(model, own.prepared, samples, EVERY)
-    for axis, column in ((1, 0), (3, 1)):
-        moved = replace(drift, beta=np.where(np.arange(6)[:, None] == axis, root[axis, :, column], 0.0))
-        change = own.torque - moved.without(model, own).torque
-        np.testing.assert_allclose(doubt[:, :, 2 * axis + column], change[samples], rtol=1e-5, atol=1e-6)
+    for axis, column in ((1, 0), (1, 3), (3, 5), (3, 2)):
+        moved = np.where(np.arange(6)[:, None] == axis, root[axis, :, column], 0.0).reshape(6, 3, 2)
+        change = own.torque - replace(drift, beta=moved).without(model, own).torque
+        found = doubt[names[column // 2]][:, :, 2 * axis + column % 2]
+        assert np.abs(found).max() > 0.01
+        np.testing.assert_allclose(found, change[samples], rtol=1e-5, atol=1e-6)
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
@@ -94,9 +101,9 @@ def test_runs_before_and_after_tell_how_far_motors_have_warmed_between(model, cl
     for name in ("worn1", "worn2"):
         log = clean[name]
         since = warm(STARTS[name]) - warm(STARTS["before1"])
-        told = drift.share(log) - drift.share(clean["before1"])
+        told = (drift.share(log) - drift.share(clean["before1"]))[:, 0]
         truth = sign * SIZE * EACH * since
-        std = np.linalg.norm(drift.inputs(log) - drift.inputs(clean["before1"]), axis=1)
+        std = np.linalg.norm(drift.inputs(log) - drift.inputs(clean["before1"]), axis=2)[:, 0]
         assert np.all(np.abs(told - truth) < 3.0 * std)
         assert abs(told[pitch] - truth[pitch]) < 0.15 * SIZE, (told[pitch], truth[pitch])
         assert std[pitch] < 0.2 * SIZE
@@ -114,10 +121,42 @@ def test_a_session_that_ran_the_other_way_round_is_told_as_it_was(model, clean, 
     plain, worn = asked(clean, suit, -1.0)
     back = {name: 2240.0 - each for name, each in STARTS.items()}
     drift, pitch = found(model, plain, worn, back), JOINTS.index("torso_pitch")
-    told = drift.share(clean["worn1"]) - drift.share(clean["after1"])
+    told = (drift.share(clean["worn1"]) - drift.share(clean["after1"]))[:, 0]
     truth = -SIZE * EACH * (warm(STARTS["worn1"]) - warm(STARTS["after1"]))
-    std = np.linalg.norm(drift.inputs(clean["worn1"]) - drift.inputs(clean["after1"]), axis=1)
+    std = np.linalg.norm(drift.inputs(clean["worn1"]) - drift.inputs(clean["after1"]), axis=2)[:, 0]
     assert abs(told[pitch] - truth[pitch]) < 3.0 * std[pitch] + 1e-4
+
+
+@pytest.fixture(scope="module")
+def warmed(biped, suit, stoop):
+    """Logs of drives that rub less as they warm: viscous friction by 10 % by the end, Coulomb by half of it."""
+
+    def of_log(k, name):
+        less = 0.1 * EACH * warm(STARTS[name])
+        xi = biped.xi | {"k_d": biped.xi["k_d"] * (1.0 - less), "tau_c": biped.xi["tau_c"] * (1.0 - 0.5 * less)}
+        bands = suit.bands if "worn" in name else ()
+        return replace(biped, xi=xi).record(stoop(k), name, bands, noise=1.0, seed=k).log
+
+    return {name: of_log(k, name) for k, name in enumerate(STARTS)}
+
+
+RUBS = Declared(kt_drift=SIZE, viscous_drift=0.1, coulomb_drift=0.05)
+
+
+def test_drives_that_rub_less_as_they_warm_are_told_from_motors_that_give_more(biped, warmed, suit):
+    model = replace(biped, robot=replace(biped.robot, declared=RUBS)).known()
+    plain = [PlainLog(warmed[name], "stoop", name != "fit") for name in STARTS if "worn" not in name]
+    worn = [WornLog(warmed[name], "stoop", suit) for name in STARTS if "worn" in name]
+    drift, pitch = found(model, plain, worn), JOINTS.index("torso_pitch")
+    assert drift.names == ("kt_drift", "viscous_drift", "coulomb_drift")
+    for name in ("worn1", "worn2"):
+        told = drift.share(warmed[name]) - drift.share(warmed["before1"])
+        truth = np.multiply.outer(EACH * (warm(STARTS["before1"]) - warm(STARTS[name])), [0.0, 0.1, 0.05])
+        std = np.linalg.norm(drift.inputs(warmed[name]) - drift.inputs(warmed["before1"]), axis=2)
+        assert np.all(np.abs(told - truth) < 3.0 * std)
+        rubs = np.array([0.0, biped.xi["k_d"][pitch] * 0.4, biped.xi["tau_c"][pitch]])  # at a usual speed [rad/s]
+        assert abs(rubs @ (told - truth)[pitch]) < 0.3 * abs(rubs @ truth[pitch])
+        assert abs(told[pitch, 0]) < 0.1 * SIZE
 
 
 @pytest.mark.parametrize("untold", ["fit", "worn2", "after1"])
@@ -132,7 +171,8 @@ def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clea
 def test_runs_without_the_device_alone_leave_all_that_is_declared_in_doubt(model, clean, suit):
     plain, worn = asked(clean, suit, -1.0)
     once = [each for each in plain if each.log.name in ("fit", "before1")]
-    drift = found(model, once, worn)
+    session = [each.log.name for each in (*once, *worn)]
+    drift = found(model, once, worn, {name: STARTS[name] for name in session})
     assert not drift.told.any()
     np.testing.assert_array_equal(drift.beta, 0.0)
     np.testing.assert_allclose(drift.std, SIZE, rtol=0.1)
@@ -160,14 +200,16 @@ def test_a_share_in_between_is_doubted_as_it_errs():
     rng, z = np.random.default_rng(1), []
     starts = np.array([30.0, 600.0, 700.0, 1300.0, 2200.0, 2300.0])
     fitted, runs = np.arange(6) == 0, np.array([1, 2, 4, 5])
-    course = courses(starts, np.full(6, 20.0), fitted, 2320.0)
+    course = courses(starts, 2320.0)
+    course = course - course[fitted].mean(axis=0)
     R = course.shape[1]
     for _ in range(2000):
         truth = SIZE * course @ rng.normal(size=R) / np.sqrt(R)
         seen = truth[runs] + 0.05 * rng.normal() + 0.001 * rng.normal(size=4)
-        beta, root = told_by_runs(course[runs], seen, np.full(4, 1e-6), ["a"] * 4, SIZE / np.sqrt(R), 1.0)
+        told = Runs(course[runs], ["a"] * 4, seen[:, None], np.full((4, 1, 1), 1e-6))
+        beta, root = told_by(told, np.array([SIZE / np.sqrt(R)]), 1.0)
         change = course[3] - course[1]
-        z.append((change @ beta - (truth[3] - truth[1])) / np.linalg.norm(root.T @ change))
+        z.append((change @ beta[0] - (truth[3] - truth[1])) / np.linalg.norm(root.T @ change))
     assert len(DECLARED.warming_s) == R
     assert 0.93 < np.mean(np.abs(z) < 1.96) < 0.97 + 0.02
     assert abs(np.mean(z)) < 0.1

@@ -89,7 +89,7 @@ def test_what_is_left_in_doubt_of_them_is_what_they_take_off_per_standard_deviat
     log, rng = clean["worn1"], np.random.default_rng(0)
     zeros = Zeros({log.name: 0}, np.array([[0.4, 1.1]]), np.zeros((2, 12)), rng.normal(size=(2, 12, 3)))
     own, samples = balance(model, model.prepare(log), EVERY), np.arange(50, 400, 10)
-    doubt = zeros.doubt(model, own.prepared, samples, EVERY)
+    doubt = zeros.doubt(model, own.prepared, samples, EVERY)["ft_zero"]
     for column in range(3):
         change = own.torque - replace(zeros, beta=zeros.root[:, :, column]).without(model, own).torque
         np.testing.assert_allclose(doubt[:, :, column], change[samples], rtol=1e-5, atol=1e-5)

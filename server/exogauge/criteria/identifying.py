@@ -175,6 +175,16 @@ class Declaring:
     kt_drift: float = criterion(
         0.01, "1", "torque per ampere of a motor that warms by 10 K: magnets lose .1 % per K", judgement(USUAL)
     )
+    viscous_drift: float = criterion(
+        0.1,
+        "1",
+        "viscous friction of a drive that warms by 10 K, as kt_drift has it: grease loses 1 % of its viscosity per K "
+        "at least",
+        judgement(USUAL),
+    )
+    coulomb_drift: float = criterion(
+        0.05, "1", "the same of Coulomb friction, which temperature moves less: half of it", judgement(USUAL)
+    )
     alike: float = criterion(
         0.8,
         "1",

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.effects.imu_tilt import turned
 from exogauge.effects.places import BaseChange
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.session import session
 from exogauge.identification.sites import response
 from exogauge.identification.solution import Solution
 from exogauge.identification.type_b import TypeB
@@ -23,17 +25,18 @@ from exogauge.side_by_side import each as side_by_side
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-COMMON_GAIN, GAIN, ZERO, DRIFT, TILT = "ft_gain_common", "ft_gain", "ft_zero", "kt_drift", "imu_tilt"
+COMMON_GAIN, GAIN, ZERO, TILT = "ft_gain_common", "ft_gain", "ft_zero", "imu_tilt"
+DRIFTS = {"kt_drift": "motor_gain", "viscous_drift": "viscous", "coulomb_drift": "coulomb"}  # whose coefficient goes
 
 
 @final
 @dataclass(frozen=True)
 class _Sums:
-    """Σ -w Aᵀ c of one log: (P, I) of what all logs share, (P, S) of its zeros, (P, A) of its motors."""
+    """Σ -w Aᵀ c of one log: (P, I) of what all logs share, (P, S) of its zeros, (P, A) of each drift of its motors."""
 
     common: Array
     zeros: Array
-    motors: Array
+    drifts: Mapping[str, Array]
 
 
 def common_inputs(robot: Robot) -> tuple[tuple[str, ...], Array]:
@@ -84,18 +87,44 @@ def _tilted(equations: Equations, prepared: Prepared, axis: int, cutoff_hz: floa
     return response(equations, cutoff_hz, phi, prepared, change)
 
 
-def drift_columns(equations: Equations, k_T: Array, prepared: Prepared, at: IntArray) -> Array:
-    """(n, A) [N·m] what a motor's own torque takes off its axis' row per unit of its drift. k_T: (A,)."""
-    driven = np.array([joint.actuation == "current" for joint in equations.robot.joints])
-    return np.where(driven, prepared.drive[at] * k_T, 0.0)
+def drifts_in_doubt(robot: Robot) -> dict[str, Array]:
+    """Each drift that is declared -> (A,) standard deviation of every motor's share; of k_T none where torque is
+    logged."""
+    declared, driven = robot.declared, np.array([joint.actuation == "current" for joint in robot.joints])
+    found = {
+        "kt_drift": declared.kt_drift * driven,
+        "viscous_drift": np.full(len(driven), declared.viscous_drift),
+        "coulomb_drift": np.full(len(driven), declared.coulomb_drift),
+    }
+    return {name: size for name, size in found.items() if size.any()}
 
 
-def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k_T: Array, cutoff_hz: float) -> TypeB:
-    """Through the normal equations of the solution. logs: fitted. k_T: (A,)."""
-    robot, declared = equations.robot, equations.robot.declared
+def drift_columns(equations: Equations, xi: Array, prepared: Prepared, at: IntArray) -> dict[str, Array]:
+    """Each drift -> (n, A) [N·m] what it takes off a motor's own row per unit of its share. xi: (A, K) coefficients of
+    the equations' effects."""
+    signals, found = prepared.low_passed.signals(at), dict[str, Array]()
+    for name, drifting in DRIFTS.items():
+        found[name] = np.zeros((len(at), len(signals)))
+        for effect, own in zip(equations.effects, xi.T, strict=True):
+            if effect.name == drifting:
+                found[name] = np.stack([effect.column(each) for each in signals], axis=1) * own
+    return found
+
+
+def type_b(
+    equations: Equations,
+    logs: Sequence[Prepared],
+    solution: Solution,
+    xi: Array,
+    cutoff_hz: float,
+    started: Mapping[str, float],
+) -> TypeB:
+    """Through the normal equations of the solution. logs: fitted. xi: (A, K) coefficients of the equations' effects.
+    started: `Settings.started`; where it is said, drifts are courses of the session, 0 on the average of these logs,
+    and so are zeros that were taken once, 0 as it begins; else they are others in each log."""
+    robot = equations.robot
     names, std = common_inputs(robot)
-    motors = DRIFT if declared.kt_drift > 0.0 else ""
-    zeros = zeros_in_doubt(robot)
+    motors, zeros = drifts_in_doubt(robot), zeros_in_doubt(robot)
     if not (len(names) or motors or zeros.any()):
         return TypeB(moved=np.zeros((equations.size, 0)), moved_by_zeros=np.zeros((equations.size, 0)))
     phi = solution.solved.x[: equations.base_size]
@@ -103,8 +132,14 @@ def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k
     def of_log(prepared: Prepared) -> _Sums:
         kept = prepared.kept
         columns = common_columns(equations, prepared, kept, cutoff_hz, phi)
-        drift, zero = drift_columns(equations, k_T, prepared, kept), zero_columns(equations, prepared, kept)
-        sums = _Sums(*(np.zeros((equations.size, n)) for n in (len(names), zero.shape[1], drift.shape[1])))
+        every, zero = drift_columns(equations, xi, prepared, kept), zero_columns(equations, prepared, kept)
+        drifts = {name: every[name] for name in motors}
+        none = np.zeros((equations.size, len(robot.joints)))
+        sums = _Sums(
+            np.zeros((equations.size, len(names))),
+            np.zeros((equations.size, zero.shape[1])),
+            {name: none.copy() for name in drifts},
+        )
         at_rest, layout = equations.layout.numbers(RowType.AT_REST), equations.layout
         for _, chunks in equations.rows(prepared, solution.solved.x):
             for chunk in chunks:
@@ -117,19 +152,35 @@ def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k
                     sums.zeros[own] += A @ zero[chunk.samples, :, told]
                 if layout.rows[chunk.kind].type == RowType.AXIS:
                     axis = layout.rows[chunk.kind].place
-                    sums.motors[own, axis] += A @ drift[chunk.samples, axis]
+                    for name, drift in drifts.items():
+                        sums.drifts[name][own, axis] += A @ drift[chunk.samples, axis]
         return sums
 
     P = equations.size
-    common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, DRIFT)}
+    common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, *motors)}
     zeros_alike = np.zeros((P, zeros.size if zeros.any() else 0))
-    for sums in side_by_side(of_log, logs):
+    known = session([each.log for each in logs], [True] * len(logs), started)
+    going = dict(motors)
+    if robot.declared.zeros_taken_once and zeros.any():
+        going[ZERO] = zeros
+    along = {name: np.zeros((len(DECLARED.warming_s), P, len(size))) for name, size in going.items() if known}
+    for prepared, sums in zip(logs, side_by_side(of_log, logs), strict=True):
         common += sums.common
         zeros_alike += sums.zeros
-        for name, B, size in ((ZERO, sums.zeros, zeros), (DRIFT, sums.motors, declared.kt_drift)):
-            if B.shape[1]:
-                V = solution.unbounded.divided(B) * size
+        own = {name: B * motors[name] for name, B in sums.drifts.items()}
+        if zeros.any():
+            own[ZERO] = sums.zeros * zeros
+        for name, B in own.items():
+            if known is not None and name in along:
+                course = (known.gone if name == ZERO else known.course)[known.logs[prepared.log.name]]
+                along[name] += np.multiply.outer(course / np.sqrt(len(course)), B)
+            else:
+                V = solution.unbounded.divided(B)
                 by_log[name] += V @ V.T
+    for name, courses in along.items():
+        for B in courses:
+            V = solution.unbounded.divided(B)
+            by_log[name] += V @ V.T
     alike, by_zeros = solution.unbounded.divided(common), solution.unbounded.divided(zeros_alike)
     return TypeB(names, std, alike, {n: C for n, C in by_log.items() if C.any()}, by_zeros)
 

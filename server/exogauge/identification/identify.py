@@ -131,7 +131,7 @@ def seen_by_effects(
 @dataclass(frozen=True)
 class _Made:
     """The solution and what it was made of. ready: prepares a log as the fitted ones. seen: what axes do in these.
-    bias: (P,) what noise in the regressor pulls the solution by, which it still holds."""
+    bias: (P,) what noise in the regressor pulls the solution by, which it still holds. started: of the settings."""
 
     equations: Equations
     fitted: Sequence[Prepared]
@@ -144,6 +144,7 @@ class _Made:
     prior: Prior
     solution: Solution
     bias: Array
+    started: Mapping[str, float]
 
 
 def _made(
@@ -177,7 +178,9 @@ def _made(
     _refuse_impossible_gains(equations, solution)
     progress(0.75, Doing.ESTIMATING_UNCERTAINTY)
     bias = noise_bias(equations, fitted, at_rest, solution, kept)
-    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, attached, seen, prior, solution, bias)
+    return _Made(
+        equations, fitted, ready, at_rest, cutoff_hz, kept, attached, seen, prior, solution, bias, settings.started
+    )
 
 
 def _model(
@@ -230,8 +233,7 @@ def _doubted(made: _Made) -> _Doubted:
     equations, fitted, solution = made.equations, made.fitted, made.solution
     meat = score_covariance(equations, fitted, solution)
     factor = common_factor(equations, solution, meat)
-    k_T = motor_gain(equations, split(equations, _lifted(solution)))
-    inputs = type_b(equations, fitted, solution, k_T, made.cutoff_hz)
+    inputs = type_b(equations, fitted, solution, split(equations, _lifted(solution)).xi, made.cutoff_hz, made.started)
     doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(made.bias, made.bias)
     doubt += sum(inputs.by_log.values(), inputs.alike)
     return _Doubted(factor, inputs, doubt, solution.prior.lift_covariance(doubt))

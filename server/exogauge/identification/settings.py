@@ -34,6 +34,7 @@ class Settings:
     creeping: joint -> speed [rad/s, or m/s] below which it is not in steady motion, though it is not at rest either;
     found by the search for missing effects (`search/creeping.py`).
     solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
+    started: recording -> [s] when it began, on one clock; empty where that is not said of every log of the study.
     criteria: numbers that decide, each with its reason.
     """
 
@@ -44,4 +45,5 @@ class Settings:
     consistency: Literal["free", "physical"] = "physical"
     creeping: Mapping[str, float] = field(default_factory=dict)
     solver: Literal["statistics", "rows"] = "statistics"
+    started: Mapping[str, float] = field(default_factory=dict)
     criteria: Criteria = field(default_factory=Criteria)

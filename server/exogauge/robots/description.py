@@ -64,9 +64,11 @@ class Declared:
 
     ft_gain: share by which one force/torque sensor reads too much, each for itself; ft_gain_common: all of them alike,
     as after one calibration. ft_zero_force [N], ft_zero_moment [N·m]: zero of one component, another in each log.
-    kt_drift: share by which a motor gives more than k_T i, another in each log and joint. imu_tilt [rad]: of the IMU's
-    mounting, about each axis across. torque_zero [N·m, N where it slides]: a constant of a joint's torque, another in
-    each log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint -> what is stated of it alone.
+    kt_drift: share by which a motor gives more than k_T i, another in each log and joint; viscous_drift, coulomb_drift:
+    by which it has more of that friction, the same. imu_tilt [rad]: of the IMU's mounting, about each axis across.
+    zeros_taken_once: zeros of force/torque sensors were taken as the session began, and what is declared is how far
+    they drift until its end. torque_zero [N·m, N where it slides]: a constant of a joint's torque, another in each
+    log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint -> what is stated of it alone.
     defaulted: names of those that nobody stated.
     """
 
@@ -75,7 +77,10 @@ class Declared:
     ft_zero_force: float = 0.0
     ft_zero_moment: float = 0.0
     kt_drift: float = 0.0
+    viscous_drift: float = 0.0
+    coulomb_drift: float = 0.0
     imu_tilt: float = 0.0
+    zeros_taken_once: bool = False
     torque_zero: float = 0.0
     torque_zero_of: Mapping[str, float] = field(default_factory=dict)
     defaulted: frozenset[str] = frozenset()

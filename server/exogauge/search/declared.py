@@ -13,14 +13,14 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
+from exogauge.estimation.bounded_arrow import Block, solve_bounded
 from exogauge.findings.result import Excess, WithinDeclared
 from exogauge.identification.disturbances import (
-    DRIFT,
     ZERO,
     common_columns,
     drift_columns,
+    drifts_in_doubt,
     zero_columns,
     zeros_in_doubt,
 )
@@ -35,6 +35,7 @@ from exogauge.search.locate import all_channels, located
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 COLOUR = "noise_colour"  # beside the kinds of declared inputs
 
@@ -42,21 +43,30 @@ COLOUR = "noise_colour"  # beside the kinds of declared inputs
 @final
 @dataclass(frozen=True)
 class _Sums:
-    """Of rows of one kind in one log. C: (n, K) what the inputs put into their residual e per standard deviation.
+    """Of rows of one kind in one log. C: (n, K) what K of the inputs put into their residual e per standard deviation;
+    the others put nothing.
 
-    own: (K, K) Σ CᵀC. with_residual: (K,) Σ Cᵀe. square: Σ e².
+    columns: (K,) of the inputs. own: (K, K) Σ CᵀC. with_residual: (K,) Σ Cᵀe. square: Σ e².
     """
 
+    columns: IntArray
     own: Array
     with_residual: Array
     square: float
 
     def with_rows(self, more: _Sums) -> _Sums:
-        return _Sums(self.own + more.own, self.with_residual + more.with_residual, self.square + more.square)
+        return _Sums(
+            self.columns, self.own + more.own, self.with_residual + more.with_residual, self.square + more.square
+        )
 
     def left(self, inputs: Array) -> float:
-        """Σ (e - C u)². inputs: (K,)."""
-        return float(self.square - 2.0 * inputs @ self.with_residual + inputs @ self.own @ inputs)
+        """Σ (e - C u)². inputs: of all."""
+        u = inputs[self.columns]
+        return float(self.square - 2.0 * u @ self.with_residual + u @ self.own @ u)
+
+    def done_by(self, inputs: Array) -> float:
+        """Σ (C u)²."""
+        return float(inputs[self.columns] @ self.own @ inputs[self.columns])
 
 
 def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses: Sequence[Excess]) -> WithinDeclared:
@@ -121,27 +131,24 @@ def _within_inputs(
 
 def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Array) -> tuple[str, ...]:
     """Kinds of inputs that do a part worth telling of what all of them do to the residuals, what does most first."""
-    shared, own = _sizes(model)
-    zeros = len(shared) - len(model.inputs.names)
-    names = [
-        *(each.partition(".")[0] for each in model.inputs.names),
-        *[ZERO] * 2 * zeros,
-        *[DRIFT] * (len(own) - zeros),
-    ]
+    zeros = len(_sizes(model)[0]) - len(model.inputs.names)
+    names = [each.partition(".")[0] for each in model.inputs.names] + [ZERO] * 2 * zeros
+    for drift, size in drifts_in_doubt(model.robot).items():
+        names += [drift] * len(size)
     done = dict.fromkeys(names, 0.0)
     for name in done:
         for u, log in zip(np.where(np.array(names) == name, inputs, 0.0), logs, strict=True):
-            done[name] += sum(float(model.solution.weights[kind] * u @ each.own @ u) for kind, each in log.items())
+            done[name] += sum(float(model.solution.weights[kind]) * each.done_by(u) for kind, each in log.items())
     told = [name for name in done if done[name] >= model.criteria.judging.declared_told * sum(done.values())]
     return tuple(sorted(told, key=lambda name: -done[name]))
 
 
 def _sizes(model: RobotModel) -> tuple[Array, Array]:
     """Standard deviations of what all logs share, zeros among it, and of what is another in each log."""
-    zeros, drift = zeros_in_doubt(model.robot), model.robot.declared.kt_drift
+    zeros = zeros_in_doubt(model.robot)
     zeros = zeros if zeros.any() else np.zeros(0)
-    motors = np.full(len(model.robot.joints) if drift > 0.0 else 0, drift)
-    return np.concatenate([model.inputs.std, zeros]), np.concatenate([zeros, motors])
+    motors = list(drifts_in_doubt(model.robot).values())
+    return np.concatenate([model.inputs.std, zeros]), np.concatenate([zeros, *motors])
 
 
 def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
@@ -153,10 +160,12 @@ def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
         common_columns(equations, prepared, kept, model.cutoff_hz, phi),
         zero_columns(equations, prepared, kept),
     )
-    drift = drift_columns(equations, model.k_T, prepared, kept)
+    columns = drift_columns(equations, model.identified.xi, prepared, kept)
+    drifts = [columns[name] for name in drifts_in_doubt(model.robot)]
     at_rest, axes = layout.numbers(RowType.AT_REST), layout.told.axes
     shared, own = _sizes(model)
     moved = np.hstack([model.inputs.moved, model.inputs.moved_by_zeros])
+    every, A = np.concatenate([shared, own]), len(equations.robot.joints)
     Z, sums = zeros.shape[1], dict[int, _Sums]()
     for _, chunks in equations.rows(prepared, x):
         for chunk in chunks:
@@ -165,11 +174,12 @@ def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
             (told,), row = layout.in_told([chunk.kind]), layout.rows[chunk.kind]
             zero = zeros[chunk.samples, :, told] if told < axes.stop else np.zeros((len(chunk.samples), Z))
             alike = np.hstack([common[chunk.samples, :, told], zero]) + chunk.block[:, :-1] @ moved[chunk.columns]
-            motors = np.zeros((len(chunk.samples), len(own) - Z))
-            if row.type == RowType.AXIS and motors.size:
-                motors[:, row.place] = drift[chunk.samples, row.place]
-            C, e = -np.hstack([alike * shared, np.hstack([zero, motors]) * own]), chunk.residual(x)
-            new, old = _Sums(C.T @ C, C.T @ e, float(e @ e)), sums.get(chunk.kind)
+            live, motors = np.arange(len(shared) + Z), list[Array]()
+            if row.type == RowType.AXIS:
+                live = np.concatenate([live, len(shared) + Z + row.place + A * np.arange(len(drifts))])
+                motors = [drift[chunk.samples, row.place, None] for drift in drifts]
+            C, e = -np.hstack([alike, zero, *motors]) * every[live], chunk.residual(x)
+            new, old = _Sums(live, C.T @ C, C.T @ e, float(e @ e)), sums.get(chunk.kind)
             sums[chunk.kind] = new if old is None else old.with_rows(new)
     return sums
 
@@ -178,15 +188,14 @@ def _best(model: RobotModel, logs: Sequence[Mapping[int, _Sums]]) -> Array:
     """(logs, K) of the inputs, in standard deviations: weighted least squares beside a prior of one each, none further
     from none than is declared."""
     S, L = (len(each) for each in _sizes(model))
-    size, weights = S + L * len(logs), model.solution.weights
-    H, g = np.eye(size), np.zeros(size)
-    places = [np.concatenate([np.arange(S), S + L * number + np.arange(L)]) for number in range(len(logs))]
-    for at, log in zip(places, logs, strict=True):
+    weights, shared, g, blocks = model.solution.weights, np.eye(S), np.zeros(S), list[Block]()
+    for log in logs:
+        H, right = np.zeros((S + L, S + L)), np.zeros(S + L)
         for kind, each in log.items():
-            H[np.ix_(at, at)] += weights[kind] * each.own
-            g[at] += weights[kind] * each.with_residual
-    curvature, vectors = np.linalg.eigh(H)
-    size = np.sqrt(np.maximum(curvature, 1.0))  # the prior's own is 1: less is rounding, beside what rows may weigh
-    most = model.criteria.judging.declared_most
-    u = lsq_linear(size[:, None] * vectors.T, vectors.T @ g / size, (-most, most), method="bvls").x
-    return np.stack([u[at] for at in places])
+            H[np.ix_(each.columns, each.columns)] += weights[kind] * each.own
+            right[each.columns] += weights[kind] * each.with_residual
+        shared += H[:S, :S]
+        g += right[:S]
+        blocks.append(Block(H[S:, S:] + np.eye(L), H[:S, S:], right[S:]))
+    alike, own = solve_bounded(shared, g, blocks, model.criteria.judging.declared_most)
+    return np.stack([np.concatenate([alike, each]) for each in own])

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.disturbances import (
-    DRIFT,
     ZERO,
     common_columns,
     drift_columns,
+    drifts_in_doubt,
     zero_columns,
     zeros_in_doubt,
 )
@@ -157,9 +157,10 @@ def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: Int
 
 def of_this_log(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> dict[str, Array]:
     """Declared uncertainty -> (n, D, K) [N·m] what one standard deviation of each of its K inputs in this log makes of
-    the torque: drift of each motor, zero of each component of each contact sensor."""
-    C, equations = model.robot.axes_from_joints, model.equations
-    drift = model.robot.declared.kt_drift * drift_columns(equations, model.k_T, prepared, samples)
+    the torque: drifts of each motor, zero of each component of each contact sensor."""
+    C, equations, sizes = model.robot.axes_from_joints, model.equations, drifts_in_doubt(model.robot)
+    drifts = drift_columns(equations, model.identified.xi, prepared, samples)
     zeros = zero_columns(equations, prepared, samples)[:, :, equations.layout.axes] @ C[:, joints]
     size = zeros_in_doubt(model.robot)[: zeros.shape[1]]
-    return {DRIFT: drift[:, None, :] * C[:, joints].T, ZERO: (zeros * size[:, None]).transpose(0, 2, 1)}
+    found = {name: (drifts[name] * size)[:, None, :] * C[:, joints].T for name, size in sizes.items()}
+    return found | {ZERO: (zeros * size[:, None]).transpose(0, 2, 1)}

@@ -1,11 +1,13 @@
-"""What drives gave per ampere in every log, as logs without the device tell that were recorded before and after.
+"""What drives gave per ampere and how they rubbed in every log, as logs without the device tell that were recorded
+before and after.
 
-    r = (delta(t) + m) u + o + c sgn(qdot) + d qdot + e,    delta(t) = Σ_r beta_r (w_r(t) - mean of w_r where fitted)
+    r = Σ_k (delta_k(t) + m_k) u_k + o + e,    delta_k(t) = Σ_r beta_kr (w_r(t) - mean of w_r where fitted)
 
-r: torque that the model leaves unexplained without a device; u = k_T i; m: what it misses in this motion as a share of
-u, the same in all repetitions, so that only what changes between them tells; o, c, d: a zero and a friction of this
-log. A drive warms and cools in first order, w_r(t) = (1 - exp(-t/T_r)) / (1 - exp(-t_end/T_r)), by a time constant
-that nobody knows: beta_r ~ N(0, kt_drift² / R) for each of R that span what motors have. Nothing is said of the sign.
+r: torque that the model leaves unexplained without a device; u_k: k_T i, viscous and Coulomb friction of the model;
+m_k: what it misses in this motion as a share of u_k, the same in all repetitions, so that only what changes between
+them tells; o: a zero of this log. A drive warms and cools in first order, w_r(t) = (1 - exp(-t/T_r)) /
+(1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for each of R that span what
+motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign.
 """
 
 from __future__ import annotations
@@ -17,13 +19,13 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.disturbances import ZERO, drift_columns
+from exogauge.identification.disturbances import DRIFTS, ZERO, drift_columns, drifts_in_doubt
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.session import Session, session
 from exogauge.logs.model import Log
 from exogauge.support.balance import Balance, of_this_log
 from exogauge.support.coloured import by_autocovariance
-from exogauge.support.session import session
 from exogauge.support.settings import PlainLog
 
 Array = NDArray[np.float64]
@@ -34,13 +36,14 @@ IntArray = NDArray[np.intp]
 @final
 @dataclass(frozen=True)
 class Drift:
-    """A motors, L logs, R courses.
+    """A motors, L logs, R courses, K drifts that are declared: `names`.
 
-    logs: name -> its row. course: (L, R) of each. beta: (A, R), root: (A, R, R) lower triangle of its covariance.
-    told: (A,) the logs without the device tell of this motor; moved, std: (A,) share by which it gives more in the last
-    log of the session than in the fitted ones, and its doubt.
+    logs: name -> its row. course: (L, R) of each. beta: (A, K, R), root: (A, K R, K R) lower triangle of its doubt.
+    told: (A,) the logs without the device tell of this motor; moved, std: (A, K) share by which it gives more in the
+    last log of the session than in the fitted ones, and its doubt.
     """
 
+    names: tuple[str, ...]
     logs: Mapping[str, int]
     course: Array
     beta: Array
@@ -48,12 +51,16 @@ class Drift:
     told: BoolArray
 
     def share(self, log: Log) -> Array:
-        """(A,) by which each motor gave more than k_T i in a log."""
+        """(A, K) by which each motor gave more than the model says, in a log."""
         return np.asarray(self.beta @ self.course[self.logs[log.name]])
 
     def inputs(self, log: Log) -> Array:
-        """(A, R) the same per standard deviation of each of A x R inputs that all logs have in common."""
-        return np.asarray(np.einsum("r,ars->as", self.course[self.logs[log.name]], self.root))
+        """(A, K, K R) the same per standard deviation of each of A x K R inputs that all logs have in common."""
+        return self._inputs(self.logs[log.name])
+
+    def _inputs(self, row: int) -> Array:
+        A, K, R = self.beta.shape
+        return np.asarray(np.einsum("r,akrs->aks", self.course[row], self.root.reshape(A, K, R, K * R)))
 
     @property
     def moved(self) -> Array:
@@ -61,22 +68,28 @@ class Drift:
 
     @property
     def std(self) -> Array:
-        return np.asarray(np.linalg.norm(np.einsum("r,ars->as", self.course[-1], self.root), axis=1))
+        return np.asarray(np.linalg.norm(self._inputs(-1), axis=2))
 
     def without(self, model: RobotModel, balance: Balance) -> Balance:
         """Of motors that gave what this says."""
         C, prepared = model.robot.axes_from_joints, balance.prepared
-        given = drift_columns(model.equations, model.k_T, prepared, np.arange(prepared.log.samples))
-        return replace(balance, torque=balance.torque - (given * self.share(prepared.log)) @ C[:, balance.joints])
+        given = drift_columns(model.equations, model.identified.xi, prepared, np.arange(prepared.log.samples))
+        more = sum(given[name] * share for name, share in zip(self.names, self.share(prepared.log).T, strict=True))
+        return replace(balance, torque=balance.torque - more @ C[:, balance.joints])
 
-    def doubt(self, model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> NDArray[np.float32]:
-        """(n, D, K) [N·m] that each of the common inputs adds to the torque per standard deviation; K: those of the
-        motors that move these joints."""
-        C = model.robot.axes_from_joints[:, joints]
+    def doubt(
+        self, model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray
+    ) -> dict[str, NDArray[np.float32]]:
+        """Drift -> (n, D, X) [N·m] that each of the common inputs adds to the torque per standard deviation; X: those
+        of the motors that move these joints. What several drifts have in common counts as the first one's."""
+        C, R = model.robot.axes_from_joints[:, joints], self.beta.shape[2]
         moving = np.flatnonzero(C.any(axis=1))
-        given = drift_columns(model.equations, model.k_T, prepared, samples)[:, moving]
-        found = np.einsum("na,ad,as->ndas", given, C[moving], self.inputs(prepared.log)[moving])
-        return np.asarray(found.reshape(len(samples), len(joints), -1), dtype=np.float32)
+        columns = drift_columns(model.equations, model.identified.xi, prepared, samples)
+        given = np.stack([columns[name][:, moving] for name in self.names])
+        every = np.einsum("kna,ad,aks->ndas", given, C[moving], self.inputs(prepared.log)[moving], optimize=True)
+        parts = np.split(every.astype(np.float32), len(self.names), axis=3)
+        assert all(part.shape[3] == R for part in parts)
+        return {name: part.reshape(len(samples), len(joints), -1) for name, part in zip(self.names, parts, strict=True)}
 
 
 def find_drift(
@@ -88,28 +101,38 @@ def find_drift(
 ) -> Drift | None:
     """None where no drift is declared, or where it is not said of every log when it began. started: recording -> [s].
     balances: of logs without the device, by name."""
-    size, known_session = model.robot.declared.kt_drift, session(plain, worn, started)
-    driven = np.array([joint.actuation == "current" for joint in model.robot.joints])
-    if size <= 0.0 or not driven.any() or known_session is None:
+    sizes, known_session = drifts_in_doubt(model.robot), session_of(plain, worn, started)
+    if not sizes or known_session is None:
         return None
     logs, course = known_session.logs, known_session.course
     told = _repeated(plain, balances)
     seen = [_Seen.of(model, balances[each.log.name]) for each in told]
-    A, R = len(driven), course.shape[1]
-    beta, root = np.zeros((A, R)), np.tile(np.eye(R) * size / np.sqrt(R), (A, 1, 1))
+    motions, places = [each.motion for each in told], [logs[each.log.name] for each in told]
+    declared = np.stack(list(sizes.values()), axis=1)
+    (A, K), R = declared.shape, course.shape[1]
+    asked = [list(DRIFTS).index(name) for name in sizes]
+    beta, root = np.zeros((A, K, R)), np.zeros((A, K * R, K * R))
+    root[:, range(K * R), range(K * R)] = np.repeat(declared, R, axis=1) / np.sqrt(R)
     known = np.zeros(A, dtype=np.bool_)
-    motions = [each.motion for each in told]
-    places = [logs[each.log.name] for each in told]
-    for axis in np.flatnonzero(driven):
-        z, variance = (np.array([getattr(each, name)[axis] for each in seen]) for name in ("share", "variance"))
-        use = np.isfinite(z) & np.isfinite(variance)
-        chosen = [k for k in np.flatnonzero(use) if sum(motions[j] == motions[k] for j in np.flatnonzero(use)) > 1]
+    for axis in range(A):
+        use = [k for k, each in enumerate(seen) if np.isfinite(each.share[axis, asked]).any()]
+        chosen = [k for k in use if sum(motions[j] == motions[k] for j in use) > 1]
         if chosen:
-            own = [motions[k] for k in chosen]
-            W, missed = course[[places[k] for k in chosen]], model.criteria.support.drift_missed
-            beta[axis], root[axis] = told_by_runs(W, z[chosen], variance[chosen], own, size / np.sqrt(R), missed)
+            runs = Runs(
+                course[[places[k] for k in chosen]],
+                [motions[k] for k in chosen],
+                np.stack([seen[k].share[axis, asked] for k in chosen]),
+                np.stack([seen[k].covariance[axis][np.ix_(asked, asked)] for k in chosen]),
+            )
+            missed = model.criteria.support.drift_missed
+            beta[axis], root[axis] = told_by(runs, declared[axis] / np.sqrt(R), missed)
             known[axis] = True
-    return Drift(logs, course, beta, root, known)
+    return Drift(tuple(sizes), logs, course, beta, root, known)
+
+
+def session_of(plain: Sequence[PlainLog], worn: Sequence[Log], started: Mapping[str, float]) -> Session | None:
+    fitted = [*(not each.held_out for each in plain), *(False for _ in worn)]
+    return session([*(each.log for each in plain), *worn], fitted, started)
 
 
 def _repeated(plain: Sequence[PlainLog], balances: Mapping[str, Balance]) -> list[PlainLog]:
@@ -118,65 +141,113 @@ def _repeated(plain: Sequence[PlainLog], balances: Mapping[str, Balance]) -> lis
     return [each for each in there if sum(other.motion == each.motion for other in there) > 1]
 
 
-def told_by_runs(
-    W: Array, z: Array, variance: Array, motions: Sequence[str | None], size: float, missed: float
-) -> tuple[Array, Array]:
-    """(R,) beta and (R, R) the root of its covariance. W: (n, R) courses; z: (n,) shares; size: what beta is believed
-    to be, missed: the same of m. Repetitions that scatter more than they say count less (Birge)."""
-    R, names = W.shape[1], list(dict.fromkeys(motions))
-    M = np.array([[motion == name for name in names] for motion in motions], dtype=np.float64)
-    A = np.hstack([W, M])
-    believed = np.concatenate([np.full(R, size**-2.0), np.full(len(names), missed**-2.0)])
-    scale = 1.0
+@final
+@dataclass(frozen=True)
+class Runs:
+    """What n runs without the device say of one motor. course: (n, R). motions: of each. share: (n, K) by which it
+    gave more, NaN where nothing is said of it; covariance: (n, K, K)."""
+
+    course: Array
+    motions: Sequence[str | None]
+    share: Array
+    covariance: Array
+
+
+def told_by(runs: Runs, sizes: Array, missed: float) -> tuple[Array, Array]:
+    """(K, R) beta and (K R, K R) the root of its covariance. sizes: (K,) what beta is believed to be, missed: the same
+    of m. A drift whose repetitions scatter more than they say counts less (Birge)."""
+    K, R, names = runs.share.shape[1], runs.course.shape[1], list(dict.fromkeys(runs.motions))
+    M = np.array([[motion == name for name in names] for motion in runs.motions], dtype=np.float64)
+    A = np.concatenate([np.kron(np.eye(K), each)[None] for each in np.hstack([runs.course, M])])  # (n, K, K (R + M))
+    told = np.isfinite(runs.share)
+    which, kind = np.nonzero(told)
+    A, z = A[told], runs.share[told]
+    noise = np.where(which[:, None] == which, runs.covariance[which[:, None], kind[:, None], kind], 0.0)
+    beliefs = [np.concatenate([np.full(R, own), np.full(len(names), missed)]) for own in sizes]
+    size = np.concatenate(beliefs)  # none where a drift is declared to be none
+    scale = np.ones(K)
     for _ in range(2):
-        H = (A.T / (scale * variance)) @ A + np.diag(believed)
-        x = np.linalg.solve(H, (A.T / (scale * variance)) @ z)
-        free = len(z) - len(names) - 1
-        if free > 0:
-            scale = max(1.0, scale * float(np.sum((z - A @ x) ** 2 / (scale * variance))) / free)
-    covariance = np.linalg.inv(H)[:R, :R]
-    return np.asarray(x[:R]), np.asarray(np.linalg.cholesky(0.5 * (covariance + covariance.T)))
+        S = noise * np.sqrt(np.outer(scale[kind], scale[kind]))
+        gain = np.linalg.solve((A * size**2) @ A.T + S, A * size**2).T
+        x = gain @ z
+        e = z - A @ x
+        for k in range(K):
+            own = kind == k
+            free = int(own.sum()) - len({runs.motions[each] for each in which[own]}) - 1
+            if free > 0:
+                scale[k] = max(1.0, float(np.sum(e[own] ** 2 / np.diag(noise)[own])) / free)
+    covariance = np.diag(size**2) - gain @ (A * size**2)
+    wanted = np.concatenate([k * (R + len(names)) + np.arange(R) for k in range(K)])
+    return x[wanted].reshape(K, R), _root(covariance[np.ix_(wanted, wanted)])
+
+
+def _root(covariance: Array) -> Array:
+    """Lower triangle, of a covariance some of whose directions may be known exactly."""
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    square = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    return np.asarray(np.linalg.qr(square)[1].T)
 
 
 @final
 @dataclass(frozen=True)
 class _Seen:
-    """What one log says of every motor: share by which it gives more, and its variance; NaN where it says nothing."""
+    """What one log says of every motor. share: (A, 3) by which it gives more of each of `DRIFTS`, NaN where it says
+    nothing; covariance: (A, 3, 3)."""
 
     share: Array
-    variance: Array
+    covariance: Array
 
     @staticmethod
     def of(model: RobotModel, own: Balance) -> _Seen:
         prepared, C = own.prepared, model.robot.axes_from_joints[:, own.joints]
-        kept = prepared.kept
+        kept, (A, D) = prepared.kept, C.shape
         used = own.steady[kept] & np.isfinite(own.torque[kept])
         used &= used.sum(axis=0) >= model.criteria.support.drift_samples
         axes = np.flatnonzero(C[:, used.any(axis=0)].any(axis=1))
-        moved = C[axes]
-        given = drift_columns(model.equations, model.k_T, prepared, kept)[:, axes]
-        n, D, K = len(kept), len(own.joints), len(axes)
-        columns = np.zeros((n, D, 3 * K + D))
-        for place, one in enumerate((given, prepared.direction[kept][:, axes], prepared.axis_velocity[kept][:, axes])):
-            columns[:, :, place * K : (place + 1) * K] = one[:, None, :] * moved.T
-        columns[:, np.arange(D), 3 * K + np.arange(D)] = 1.0
+        xi, per_unit = _of_effects(model, prepared, kept)
+        K = len(DRIFTS)
+        columns = np.zeros((len(kept), D, A * K + D))
+        for axis in axes:
+            columns[:, :, axis * K : axis * K + K] = per_unit[:, axis, None, :] * C[axis, :, None]
+        columns[:, np.arange(D), A * K + np.arange(D)] = 1.0
         columns = np.where(used[:, :, None], columns, 0.0)
-        flat, y = columns.reshape(n * D, -1), np.where(used, own.torque[kept], 0.0)
-        live = np.flatnonzero(flat.any(axis=0))
-        H = flat[:, live].T @ flat[:, live]
+        live = np.flatnonzero(columns.any(axis=(0, 1)))
+        lived = columns[:, :, live]
+        y = np.where(used, own.torque[kept], 0.0)
+        H = np.einsum("ndp,ndq->pq", lived, lived, optimize=True)
         size = 1.0 / np.sqrt(np.diag(H))
         inverse = np.linalg.pinv(H * np.outer(size, size), rcond=1e-9, hermitian=True) * np.outer(size, size)
-        x = inverse @ (flat[:, live].T @ y.ravel())
-        e = np.where(used, y - columns[:, :, live] @ x, 0.0)
-        S = by_autocovariance((slice(0, n),), used, e, columns[:, :, live])
+        x = inverse @ np.einsum("ndp,nd->p", lived, y)
+        e = np.where(used, y - lived @ x, 0.0)
+        S = by_autocovariance((slice(0, len(kept)),), used, e, lived)
         zeros = of_this_log(model, prepared, kept, own.joints)[ZERO]
-        S = S + _outer(np.einsum("ndp,nds->ps", columns[:, :, live], zeros))
-        variance = np.diag(inverse @ S @ inverse)
-        found, spread = np.full(len(C), np.nan), np.full(len(C), np.nan)
-        for place, parameter in enumerate(live):
-            if parameter < K and variance[place] > 0.0:
-                found[axes[parameter]], spread[axes[parameter]] = x[place], variance[place]
-        return _Seen(found, spread)
+        S = S + _outer(np.einsum("ndp,nds->ps", lived, zeros))
+        covariance, share = np.zeros((A * K, A * K)), np.full(A * K, np.nan)
+        motors = live < A * K
+        own_live = live[motors]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares = x[motors] / xi.ravel()[own_live]
+            both = (inverse @ S @ inverse)[np.ix_(motors, motors)] / np.outer(
+                xi.ravel()[own_live], xi.ravel()[own_live]
+            )
+        tells = np.isfinite(shares) & (np.diag(both) > 0.0) & np.isfinite(np.diag(both))
+        share[own_live[tells]] = shares[tells]
+        covariance[np.ix_(own_live[tells], own_live[tells])] = both[np.ix_(tells, tells)]
+        blocks = covariance.reshape(A, K, A, K)[range(A), :, range(A)]
+        return _Seen(share.reshape(A, K), blocks)
+
+
+def _of_effects(model: RobotModel, prepared: Prepared, samples: IntArray) -> tuple[Array, Array]:
+    """(A, 3) coefficients of the effects that `DRIFTS` names, 0 where the model has none, and (n, A, 3) torque per unit
+    of each; none per ampere where torque is logged."""
+    equations, signals = model.equations, prepared.low_passed.signals(samples)
+    xi, columns = np.zeros((len(signals), len(DRIFTS))), np.zeros((len(samples), len(signals), len(DRIFTS)))
+    for k, name in enumerate(DRIFTS.values()):
+        for effect, own in zip(equations.effects, model.identified.xi.T, strict=True):
+            for axis in range(len(signals)) if effect.name == name else ():
+                if name != "motor_gain" or equations.robot.joints[axis].actuation == "current":
+                    xi[axis, k], columns[:, axis, k] = own[axis], effect.column(signals[axis])
+    return xi, columns
 
 
 def _outer(g: Array) -> Array:

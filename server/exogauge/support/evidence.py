@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.routing import Routing
-from exogauge.identification.disturbances import DRIFT, ZERO
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Channels, Prediction
@@ -164,9 +163,10 @@ def gather(
     """Everything that one log with the device says."""
     joints, repeats = background.joints, background.repeats
     prepared = prepare_worn(model, worn.log)
-    own, courses = balance(model, prepared, joints), {DRIFT: background.drift, ZERO: background.zeros}
-    for course in courses.values():
-        own = own if course is None else course.without(model, own)
+    own = balance(model, prepared, joints)
+    courses = [each for each in (background.drift, background.zeros) if each is not None]
+    for course in courses:
+        own = course.without(model, own)
     names = [model.robot.joints[j].name for j in joints]
     q = prepared.motion.q[:, joints]
     geometry = routing.geometry(prepared.motion.q)
@@ -289,18 +289,16 @@ def _own_inputs(
     prepared: Prepared,
     samples: IntArray,
     joints: IntArray,
-    courses: Mapping[str, Drift | Zeros | None],
+    courses: Sequence[Drift | Zeros],
 ) -> tuple[dict[str, NDArray[np.float32]], dict[str, NDArray[np.float32]]]:
     """What is this log's own, and what all logs of the session have in common; the same inputs in the same order,
     whatever the log."""
     found = of_this_log(model, prepared, samples, joints)
     own = {name: each.astype(np.float32) for name, each in found.items() if each.any()}
     session = dict[str, NDArray[np.float32]]()
-    for name, course in courses.items():
-        if course is not None:
-            own.pop(name, None)
-            session[name] = course.doubt(model, prepared, samples, joints)
-    return own, session
+    for course in courses:
+        session |= course.doubt(model, prepared, samples, joints)
+    return {name: each for name, each in own.items() if name not in session}, session
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> dict[str, NDArray[np.float32]]:

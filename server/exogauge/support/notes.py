@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.added_columns import COMPONENTS
+from exogauge.identification.disturbances import DRIFTS
 from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 from exogauge.remarks import About, Remark
@@ -31,13 +32,14 @@ def notes_on_drift(model: RobotModel, drift: Drift | None, joints: IntArray) -> 
     """What motors were found to do through the session."""
     if drift is None:
         return ()
-    moved, std = 100.0 * drift.moved, 100.0 * drift.std
-    sure = np.abs(moved) > model.criteria.judging.significant * std
-    told = [j for j in joints if drift.told[j] and sure[j]]
-    if not told:
-        return ()
-    names = tuple(model.robot.joints[j].name for j in told)
-    return (Remark(About.DRIFT_FOUND, names, tuple((float(moved[j]), float(std[j])) for j in told)),)
+    numbers = dict[str, tuple[float, float]]()
+    for k, drifts in enumerate(drift.names):
+        coefficient = next(each.coefficient.name for each in model.equations.effects if each.name == DRIFTS[drifts])
+        for j in (j for j in joints if drift.told[j]):
+            moved, std = 100.0 * float(drift.moved[j, k]), 100.0 * float(drift.std[j, k])
+            if abs(moved) > model.criteria.judging.significant * std:
+                numbers[f"{coefficient} {model.robot.joints[j].name}"] = moved, std
+    return (Remark(About.DRIFT_FOUND, tuple(numbers), tuple(numbers.values())),) if numbers else ()
 
 
 def notes_on_zeros(model: RobotModel, zeros: Zeros | None) -> tuple[Remark, ...]:

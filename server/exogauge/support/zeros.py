@@ -19,7 +19,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.disturbances import zero_columns, zeros_in_doubt
+from exogauge.identification.disturbances import ZERO, zero_columns, zeros_in_doubt
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import of_x
 from exogauge.identification.preparation import Prepared
@@ -27,7 +27,7 @@ from exogauge.logs.model import Log
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, prepare_worn
 from exogauge.support.coloured import by_autocovariance
-from exogauge.support.session import session
+from exogauge.support.drift import session_of
 from exogauge.support.settings import PlainLog, WornLog
 
 Array = NDArray[np.float64]
@@ -72,18 +72,20 @@ class Zeros:
         taken = -equations.acting(prepared, one, np.arange(log.samples))[:, equations.layout.axes]
         return replace(balance, torque=balance.torque - taken @ C[:, balance.joints])
 
-    def doubt(self, model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> NDArray[np.float32]:
-        """(n, D, K) [N·m] that each of the common inputs adds to the torque per standard deviation."""
+    def doubt(
+        self, model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray
+    ) -> dict[str, NDArray[np.float32]]:
+        """ft_zero -> (n, D, K) [N·m] that each of the common inputs adds to the torque per standard deviation."""
         C = model.robot.axes_from_joints[:, joints]
         zeros = zero_columns(model.equations, prepared, samples)[:, :, model.equations.layout.axes] @ C
-        return np.asarray(np.einsum("ncd,ck->ndk", zeros, self.inputs(prepared.log)), dtype=np.float32)
+        return {ZERO: np.einsum("ncd,ck->ndk", zeros, self.inputs(prepared.log)).astype(np.float32)}
 
 
 def find_zeros(
     model: RobotModel, plain: Sequence[PlainLog], worn: Sequence[WornLog], started: Mapping[str, float]
 ) -> Zeros | None:
     """None where no zero is in doubt, no base row sees them, or it is not said of every log when it began."""
-    size, known = zeros_in_doubt(model.robot), session(plain, [each.log for each in worn], started)
+    size, known = zeros_in_doubt(model.robot), session_of(plain, [each.log for each in worn], started)
     if not model.robot.floating or not size.any() or known is None:
         return None
     told = [(each.log, (each.motion, "")) for each in plain if each.held_out and each.motion is not None]

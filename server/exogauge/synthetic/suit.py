@@ -104,7 +104,7 @@ def fitted_suit(kind: str, planner: mujoco.MjModel, rng: np.random.Generator) ->
     return Suit(f"{NAME}, {kind}", tuple(bands))
 
 
-def device_file(suit: Suit, uncertainty: Mapping[str, float] | str = "none") -> Mapping[str, Any]:
+def device_file(suit: Suit, uncertainty: Mapping[str, float | str] | str = "none") -> Mapping[str, Any]:
     """device.yaml as a tree of plain values."""
     return {"version": 1, "uncertainty": uncertainty, "name": suit.name, "bands": [_entry(band) for band in suit.bands]}
 

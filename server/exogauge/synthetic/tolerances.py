@@ -41,8 +41,10 @@ TOLERANCES = (
     Tolerance("feet_tilt", "robot", "", "tilt of a foot sensor about each axis [rad]", 1.0),
     Tolerance("imu_mounting", "robot", "imu_tilt", "tilt about each horizontal axis [rad]", math.sqrt(0.5)),
     Tolerance("kt_warming", "robot", "kt_drift", "change of k_T over the session", _HALF_MORE),
-    Tolerance("friction_warming", "robot", "", "change of k_d over the session", _HALF_MORE),
-    Tolerance("friction_warming", "robot", "", "change of tau_c over the session", COULOMB_WARMS * _HALF_MORE),
+    Tolerance("friction_warming", "robot", "viscous_drift", "change of k_d over the session", _HALF_MORE),
+    Tolerance(
+        "friction_warming", "robot", "coulomb_drift", "change of tau_c over the session", COULOMB_WARMS * _HALF_MORE
+    ),
     Tolerance("clock_jitter", "robot", "", "of a time stamp [s]", 1.0),
     Tolerance("via_points", "device", "via_points", "each coordinate of a via point [m]", 1.0),
     Tolerance("donning", "device", "donning", "a band's length from one log to the next, its ends' with it [m]",
@@ -50,15 +52,17 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def uncertainty(file: File, sizes: Disturbances) -> Mapping[str, float] | Literal["none"]:
-    """What that file says under `uncertainty`: every key it knows, 0 where nothing of the kind happens."""
+def uncertainty(file: File, sizes: Disturbances) -> Mapping[str, float | str] | Literal["none"]:
+    """What that file says under `uncertainty`: every key it knows, 0 where nothing of the kind happens; when zeros were
+    taken."""
     if not sizes:
         return "none"
     squares: dict[str, float] = {}
     for each in TOLERANCES:
         if each.file == file and each.key:
             squares[each.key] = squares.get(each.key, 0.0) + (each.std * sizes.get(each.disturbance, 0.0)) ** 2
-    return {key: float(f"{math.sqrt(square):.2g}") for key, square in squares.items()}
+    stated: dict[str, float | str] = {key: float(f"{math.sqrt(square):.2g}") for key, square in squares.items()}
+    return stated | ({"zeros_taken": "session"} if file == "robot" and "feet_drift" in sizes else {})
 
 
 def declared(sizes: Disturbances) -> list[dict[str, Any]]:

@@ -46,7 +46,7 @@ def robot_urdf() -> str:
 
 
 def robot_file(
-    encoder_step: float = sensors.ENCODER_STEP, uncertainty: Mapping[str, float] | str = "none"
+    encoder_step: float = sensors.ENCODER_STEP, uncertainty: Mapping[str, float | str] | str = "none"
 ) -> Mapping[str, Any]:
     """robot.yaml as a tree of plain values."""
     return {

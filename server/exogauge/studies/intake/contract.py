@@ -274,15 +274,21 @@ class Noise(_Part):
 
 
 class RobotUncertainty(_Part):
-    """Standard uncertainties that no log shows; of a key that is left out, what is usual (`criteria.declaring`)."""
+    """Standard uncertainties that no log shows; of a key that is left out, what is usual (`criteria.declaring`).
+
+    zeros_taken: `session` where those of the force/torque sensors were taken once, before its first log.
+    """
 
     ft_gain: NotNegative | None = None
     ft_gain_common: NotNegative | None = None
     ft_zero_force: NotNegative | None = None
     ft_zero_moment: NotNegative | None = None
     kt_drift: NotNegative | None = None
+    viscous_drift: NotNegative | None = None
+    coulomb_drift: NotNegative | None = None
     imu_tilt: NotNegative | None = None
     torque_zero: NotNegative | dict[Name, NotNegative] | None = None
+    zeros_taken: Literal["session"] | None = None
 
 
 class DeviceUncertainty(_Part):

@@ -15,12 +15,13 @@ from pydantic import ValidationError
 from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.identification.disturbances import drifts_in_doubt
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
-from exogauge.robots.urdf_check import raised_inertias
+from exogauge.robots.urdf_check import impossible_density, raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.intake.read_log import read_entries
@@ -128,13 +129,18 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         robot_file=robot_file,
         robot=robot,
         urdf=urdf,
-        settings=settings,
+        settings=replace(settings, started=session.started),
         log_names=names,
         steps=steps,
         support_settings=replace(support_settings, started=session.started),
         devices=worn.devices,
         log_devices=worn.of_log,
-        notices=(*map(notice, raised_inertias(urdf, robot_file.urdf)), *worn.notices, *map(notice, session.remarks)),
+        notices=(
+            *map(notice, raised_inertias(urdf, robot_file.urdf)),
+            *map(notice, impossible_density(urdf, robot_file.urdf, settings.criteria.doctor)),
+            *worn.notices,
+            *map(notice, session.remarks),
+        ),
     )
 
 
@@ -324,7 +330,7 @@ def read_session(file: StudyFile, names: Sequence[str], robot: Robot) -> Session
         for roles in (("without_device", "validation"), ("with_device",))
     )
     both = [motion for motion in dict.fromkeys(worn.values()) if motion in plain.values()]
-    if not both or robot.declared.kt_drift <= 0.0 or all(each.actuation != "current" for each in robot.joints):
+    if not both or not drifts_in_doubt(robot):
         return Session(started)
     if untold:
         return Session(started, (Remark(About.SESSION_UNKNOWN, untold),))

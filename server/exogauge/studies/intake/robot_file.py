@@ -111,7 +111,7 @@ def _declared(entry: RobotFile, page: YamlPage) -> Declared:
     """As stated, and what is usual of the rest."""
     if entry.uncertainty == "none":
         return EXACT
-    stated, of_joints = entry.uncertainty.model_dump(), dict[str, float]()
+    stated, of_joints = entry.uncertainty.model_dump(exclude={"zeros_taken"}), dict[str, float]()
     if isinstance(stated["torque_zero"], dict):
         of_joints = stated["torque_zero"]
         stated["torque_zero"] = of_joints.pop("default", None)
@@ -125,6 +125,7 @@ def _declared(entry: RobotFile, page: YamlPage) -> Declared:
     left_out = frozenset(key for key, (value, _) in values.items() if value is None)
     return Declared(
         **{key: usual if value is None else value for key, (value, usual) in values.items()},
+        zeros_taken_once=entry.uncertainty.zeros_taken == "session",
         torque_zero_of=of_joints,
         defaulted=left_out,
     )

@@ -21,6 +21,14 @@ SOURCES: dict[str, tuple[str, str]] = {
         "torque per ampere, drifting from log to log",
         "Record without, with and again without the device, and say when each log began (started).",
     ),
+    "viscous_drift": (
+        "viscous friction, changing as drives warm",
+        "Warm up before the first log, and record without, with and again without the device (started).",
+    ),
+    "coulomb_drift": (
+        "Coulomb friction, changing as drives warm",
+        "Warm up before the first log, and record without, with and again without the device (started).",
+    ),
     "torque_zero": (
         "constant torques that differ from log to log",
         "Read currents with the drives off before each log, and state what is left as torque_zero.",

@@ -31,6 +31,14 @@ FORMS: Mapping[About, Form] = {
         "{1:.4g}, {2:.4g}, {3:.4g}). The nearest possible one is taken: correct the URDF if it matters.",
         each="'{name}'",
     ),
+    About.TOO_DENSE: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is denser than {1:.2g} kg/m³: no "
+        "matter is. Masses are in kg and inertias in kg·m²: were the masses written in grams?"
+    ),
+    About.TOO_LIGHT: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is lighter than {1:.2g} kg/m³: no "
+        "robot is. Masses are in kg and inertias in kg·m²: were the inertias written in kg·mm² or g·mm²?"
+    ),
     About.FACTOR_OPEN: Form(
         "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
         "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load "
@@ -147,15 +155,16 @@ FORMS: Mapping[About, Form] = {
     ),
     About.SESSION_UNKNOWN: Form(
         "When these logs began is not said: {names}. So what motors do as they warm up cannot be told from the device, "
-        "and all of `kt_drift` stays in doubt. Say it of every log (`started`, in seconds from the first)."
+        "and all that is declared of it stays in doubt. Say it of every log (`started`, in seconds from the first)."
     ),
     About.NO_RUN_AFTER: Form(
         "No log without the device was recorded after the last one with it: {names}. Record each motion without, with "
         "and without the device again, so that what motors and sensors do meanwhile is not taken for the device."
     ),
     About.DRIFT_FOUND: Form(
-        "From the first to the last logs without the device, motors changed what they give per ampere; by the end of "
-        "the session: {names}. It is taken off all estimates; what is left in doubt of it is in their budgets.",
+        "From the first to the last logs without the device, motors changed what they give per ampere (k_T) or how "
+        "they rub (k_d, tau_c); by the end of the session: {names}. It is taken off all estimates; what is left in "
+        "doubt of it is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f} %",
     ),
     About.ZEROS_FOUND: Form(
