@@ -15,9 +15,6 @@ from scipy.special import i0
 Array = NDArray[np.float64]
 Window = Literal["blackmanharris", "kaiser24"]
 
-HARRIS = (0.35875, -0.48829, 0.14128, -0.01168)  # of cosines
-KAISER = 24.0
-
 
 def welch(values: Array, rate_hz: float, window: Window, length: int) -> tuple[Array, Array]:
     """(F,) frequencies [Hz] and (K, F) power density [unit²/Hz] of channels (K, T), one-sided: mean of segments of
@@ -40,7 +37,9 @@ def correlations(one: Array, other: Array) -> Array:
 @lru_cache(maxsize=16)
 def _window(window: Window, length: int) -> Array:
     """(length,) as one period of it."""
+    harris = (0.35875, -0.48829, 0.14128, -0.01168)  # of cosines
+    beta = 24.0
     turn = 2.0 * np.pi * np.arange(length) / length
     if window == "blackmanharris":
-        return np.asarray(np.sum([share * np.cos(k * turn) for k, share in enumerate(HARRIS)], axis=0))
-    return np.asarray(i0(KAISER * np.sqrt(1.0 - (2.0 * np.arange(length) / length - 1.0) ** 2)) / i0(KAISER))
+        return np.asarray(np.sum([share * np.cos(k * turn) for k, share in enumerate(harris)], axis=0))
+    return np.asarray(i0(beta * np.sqrt(1.0 - (2.0 * np.arange(length) / length - 1.0) ** 2)) / i0(beta))

@@ -10,8 +10,6 @@ from exogauge.loops.compiled import compiled
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST = 1e-12  # on the diagonal: a column that is 0 throughout explains nothing
-
 
 @compiled("f8[:,:,::1], f8[:,::1], f8[::1], f8[:,::1]")
 def explain(M: Array, b: Array, most: Array, best: Array) -> None:
@@ -90,9 +88,10 @@ def _explain(M: Array, b: Array, R: Array, x: Array, chosen: Ints, best: Array) 
 @compiled()
 def _solve(M: Array, b: Array, R: Array, x: Array, chosen: Ints, count: int) -> bool:
     """x: of the chosen columns, by Cholesky; False where they are not independent."""
+    least = 1e-12  # on the diagonal: a column that is 0 throughout explains nothing
     for i in range(count):
         for j in range(i + 1):
-            value = M[chosen[i], chosen[j]] + (LEAST if i == j else 0.0)
+            value = M[chosen[i], chosen[j]] + (least if i == j else 0.0)
             for k in range(j):
                 value -= R[i, k] * R[j, k]
             if i == j:
