@@ -13,6 +13,8 @@ class About(StrEnum):
 
     # the URDF
     INERTIA_RAISED = "inertia_raised"  # links; -; file, worst link; by how much [kg·m²], its principal moments
+    TOO_DENSE = "too_dense"  # -; -; file; mass of all links [kg], density that half of it exceeds [kg/m³]
+    TOO_LIGHT = "too_light"  # -; -; file; the same, density that half of it is below
     # the identification
     FACTOR_OPEN = "factor_open"
     LOAD_NOT_FITTED = "load_not_fitted"  # loads; mass [kg]
@@ -34,6 +36,8 @@ class About(StrEnum):
     UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many
     WORSE_HELD_OUT = "worse_held_out"  # joints
     LOGS_LEFT_OUT = "logs_left_out"  # logs; by which their efforts are late, against their positions [s]
+    LOGS_SPOILED = "logs_spoiled"  # logs that are left out; beside: what the doctor holds against them, what to do
+    SPOILED_FIT = "spoiled_fit"  # logs that are fitted all the same, as no others are; beside: as above
     DOCTOR_ERRORS = "doctor_errors"  # channels that the identification rests on
     NO_URDF_OF = "no_urdf_of"  # links
     # the supporting torque

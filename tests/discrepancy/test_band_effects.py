@@ -37,7 +37,7 @@ from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.device_pages.device_content import device_content, device_from
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.support_results import stiffness_entries
 from exogauge.studies.results.taken_over import taken_over
 from exogauge.studies.words.finding_sentences import finding_sentence

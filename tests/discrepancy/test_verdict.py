@@ -28,7 +28,7 @@ from exogauge.findings.verdict import Caveat, Facts, Seen, decide
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.finding_sentences import reason_words
 
 JUDGING = Judging()

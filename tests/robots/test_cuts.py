@@ -146,7 +146,7 @@ def test_loads_are_the_rows_times_the_parameters(sensors, coupled):
     for frame in sensors:
         cut = CutRows(tree, base, frame)
         expected += [block @ phi[own] for block, own in zip(cut.fill(motion), cut.columns, strict=True)]
-    found = BodyLoads(tree, base, C, sensors).of(motion, phi)
+    found = BodyLoads(tree, base.columns, C, sensors).of(motion, phi)
     assert found == pytest.approx(np.transpose(expected, (2, 0, 1)), abs=1e-10)
 
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import sysconfig
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot
+from exogauge.remarks import About
 from exogauge.robots.urdf import load_tree
-from exogauge.robots.urdf_check import check_urdf, raised_inertias, read_urdf
+from exogauge.robots.urdf_check import INERTIA_NAMES, check_urdf, impossible_density, raised_inertias, read_urdf
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
 
@@ -94,6 +97,44 @@ def test_an_inertia_that_misses_a_body_by_little_is_raised_to_the_nearest_and_to
     told = raised_inertias(urdf, "arm.urdf")
     assert len(told) == (max(np.abs(moments)) > 1e-12)
     assert all((each.names, each.beside) == (("antenna",), ("arm.urdf", "antenna")) for each in told)
+
+
+def _in_other_units(urdf: bytes, mass: float, inertia: float) -> bytes:
+    robot = ElementTree.fromstring(urdf)
+    for each in robot.iter("mass"):
+        each.set("value", repr(mass * float(each.get("value"))))
+    for each in robot.iter("inertia"):
+        for name in INERTIA_NAMES:
+            each.set(name, repr(inertia * float(each.get(name))))
+    return ElementTree.tostring(robot)
+
+
+STOCK = sorted(path for path in ROBOTS.rglob("*.urdf") if "<mass" in path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.skipif(not STOCK, reason="no URDFs of example-robot-data are installed")
+def test_units_that_are_not_si_are_told_of_every_stock_robot_and_of_none_as_it_is():
+    """Masses in g with inertias in g·m², inertias in kg·mm², both as CAD programs write them (g, g·mm²)."""
+    assert len(STOCK) > 40
+    told = lambda urdf: [each.about for each in impossible_density(urdf, "robot.urdf", Examining())]  # noqa: E731
+    for path in STOCK:
+        urdf = path.read_bytes()
+        assert told(urdf) == [], path.name
+        assert told(_in_other_units(urdf, 1e3, 1e3)) == [About.TOO_DENSE], path.name
+        assert told(_in_other_units(urdf, 1.0, 1e6)) == [About.TOO_LIGHT], path.name
+        assert told(_in_other_units(urdf, 1e3, 1e9)) == [About.TOO_LIGHT], path.name
+
+
+def test_what_is_told_of_units_has_the_mass_and_how_dense_it_would_be():
+    """A ball of lead of 0.1 m, 47.5 kg, in grams; and links without an inertia or a mass beside."""
+    mass = 4.0 / 3.0 * np.pi * 0.1**3 * 11_340.0 * 1e3
+    ball = _link("ball", repr(mass), _spread(*(3 * [0.4 * mass * 0.1**2])))
+    (remark,) = impossible_density(
+        _robot(ball, '<link name="tool"/>', _joint("j", "ball", "tool")), "a.urdf", Examining()
+    )
+    assert (remark.about, remark.beside) == (About.TOO_DENSE, ("a.urdf",))
+    np.testing.assert_allclose(remark.numbers, (mass, 11_340.0 * 1e3))
+    assert impossible_density(_robot('<link name="tool"/>'), "a.urdf", Examining()) == ()
 
 
 def test_an_inertia_far_from_any_body_is_refused_whatever_stands_beside_it():

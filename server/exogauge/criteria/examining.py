@@ -18,6 +18,15 @@ RULES = "docs/doctor.md"
 class Examining:
     """rms change: of a channel from one sample to the next."""
 
+    densest: float = criterion(
+        22_600.0,
+        "kg/m³",
+        "of half of a robot's mass: osmium, the densest there is. 84 URDFs have 37 to 6 700",
+        derived("handbook value at 20 °C"),
+    )
+    lightest: float = criterion(
+        1.2, "kg/m³", "the same of what is lighter than any robot: air", derived("handbook value at 20 °C and 1 bar")
+    )
     rate: float = criterion(0.02, "1", "by which a log's rate may differ from the declared one", judgement(RULES))
     rate_wrong: float = criterion(
         0.5, "1", "beyond that the declaration or the unit of time is wrong, not the clock", judgement(RULES)

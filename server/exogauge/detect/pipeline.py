@@ -14,6 +14,7 @@ from exogauge.detect.stored_filter.detector import stored_filter
 from exogauge.experiment.design import with_motions
 from exogauge.findings.as_told import by_importance, merged
 from exogauge.findings.result import ChainStep, Discrepancy, Link
+from exogauge.findings.verdict import Caveat
 from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
@@ -44,14 +45,20 @@ def find_missing_effects(
     settings: Settings,
     progress: Progress = unwatched,
     moving: MotionRobot | None = None,
+    spoiled: str = "",
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing. Where a detector asks
-    for another question, all begin again with it. moving: the robot as motions are planned for it."""
-    so_far, left = SoFar.of(Question(found, tuple(recordings), effects, settings, progress)), DETECTORS
+    for another question, all begin again with it. moving: the robot as motions are planned for it. spoiled: a log that
+    is fitted though it is; then errors are told, and nothing is named."""
+    detectors = (missing_effects,) if spoiled else DETECTORS
+    cannot = (Caveat("spoiled", spoiled),) if spoiled else ()
+    sought = () if spoiled else effects
+    question = Question(found, tuple(recordings), sought, settings, progress, cannot=cannot)
+    so_far, left = SoFar.of(question), detectors
     while left:
         so_far, left = left[0](so_far), left[1:]
         if so_far.anew is not None:
-            so_far, left = SoFar.of(so_far.anew), DETECTORS
+            so_far, left = SoFar.of(so_far.anew), detectors
     progress(1.0, Doing.COMPARED)
     return Found(_discrepancy(so_far, moving), so_far.current, so_far.recordings, so_far.question.settings)
 

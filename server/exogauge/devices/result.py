@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 import numpy as np
@@ -102,3 +102,8 @@ class StiffnessResult:
     samples: int
     notes: tuple[Remark, ...]
     cross_checks: tuple[CrossCheck, ...] = ()
+
+    def with_nothing_decided(self) -> StiffnessResult:
+        """The same, where no number counts as decided by the data."""
+        bands = tuple(replace(each, identifiable=False, length_identifiable=False) for each in self.bands)
+        return replace(self, bands=bands)

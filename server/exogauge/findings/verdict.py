@@ -30,13 +30,14 @@ class Caveat:
     channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
     place). feet_alike: these contact sensors read too much by the share `value` ± `needed`, or all else gives and
     weighs as much more. declared: this channel and `others` stand above the noise, no further than what is declared
-    uncertain lets them; rival: the sources of that. Of the bands of a device: no_steady_motion, nothing_left_out,
+    uncertain lets them; rival: the sources of that. spoiled: no log is fitted but such as this one, which the doctor
+    holds for wrong. Of the bands of a device: no_steady_motion, nothing_left_out,
     unclear_course. Of a payload: noise_unknown, no_motion; not_foretold:
     what was fitted leaves open what this log should read.
     """
 
     why: Literal[
-        "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike", "declared",
+        "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike", "declared", "spoiled",
         "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion", "not_foretold",
     ]  # fmt: skip
     of: str = ""
@@ -89,7 +90,10 @@ class Decision:
 
 
 def decide(facts: Facts) -> Decision:
-    """What is left is judged alike whether or not something was named before."""
+    """What is left is judged alike whether or not something was named before. Of a spoiled fit nothing is said."""
+    for each in facts.cannot:
+        if each.why == "spoiled":
+            return Decision("undecided", "open", each)
     reason = _open(facts)
     left: Left = "above" if facts.above else "open" if reason else "nothing"
     without: dict[Left, Verdict] = {"above": "unexplained", "open": "undecided", "nothing": "none"}

@@ -322,7 +322,7 @@ class Equations:
     @cached_property
     def _loads(self) -> BodyLoads:
         frames = [cut.frame for cut in self.cuts]
-        return BodyLoads(self.robot.tree, self.base, self.robot.axes_from_joints, frames)
+        return BodyLoads(self.robot.tree, self.base.columns, self.robot.axes_from_joints, frames)
 
 
 def chunks(samples: int) -> list[slice]:

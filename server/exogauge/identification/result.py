@@ -150,6 +150,13 @@ class Identification:
     factor: CommonFactor = field(default_factory=CommonFactor)
     total_mass: TotalMass | None = None
 
+    def with_nothing_decided(self) -> Identification:
+        """The same, where no number counts as decided by the data."""
+        loads = "load."  # which are told by themselves
+        names = tuple(each.name for each in self.parameters if not each.name.startswith(loads))
+        parameters = tuple(replace(each, identifiable=False) for each in self.parameters)
+        return replace(self, parameters=parameters, unidentifiable=names)
+
     def by_stated_constants(self) -> Identification:
         """The same with torques and their errors as the stated k_T make them of the currents (`per_stated`)."""
         if not self.per_stated:

@@ -47,7 +47,7 @@ def noise_of(channels: Sequence[Array], rate_hz: float, above_hz: float) -> list
         some = channels[first : first + at_once]
         values = np.column_stack(some)
         rest = np.ascontiguousarray((values - low_pass.apply(values)).T)
-        spreads = _medians(_spreads(rest, max(1, rest.shape[1] // segment))) / _seen_share(low_pass)
+        spreads = medians(_spreads(rest, max(1, rest.shape[1] // segment))) / _seen_share(low_pass)
         for spread, each in zip(spreads.tolist(), some, strict=True):
             step = quantisation_step(each)
             found.append(ChannelNoise(max(spread, step / math.sqrt(12.0) if step else 0.0), step))
@@ -81,21 +81,14 @@ def quantisation_step(values: Array) -> float | None:
 
     Decimals of a text file are a lattice too: they limit the log just as a converter does.
     """
+    from exogauge.loops.lattice import spacing_of
+
     many = 50_000  # values show a lattice as well as all do, and sort faster
     values = values[:: 1 + values.size // many]
-    with np.errstate(over="ignore"):
-        single = bool(np.all(values == values.astype(np.float32)))
-    levels = np.unique(values)
-    spacing = np.diff(levels)
-    spacing = spacing[spacing > (1e-6 if single else 1e-11) * np.max(np.abs(levels), initial=0.0)]
-    if spacing.size == 0 or (spacing.size < LOGS.few_levels and values.size < 4 * levels.size):
+    if values.size == 0:
         return None
-    smallest = float(spacing.min())
-    step = float(np.median(spacing[spacing < 1.5 * smallest]))
-    multiples = spacing / step
-    on_lattice = np.abs(multiples - np.round(multiples)) < 0.02 * np.maximum(1.0, multiples / 10.0)
-    near = multiples < 100.0  # further ones sum up the rounding of the representation
-    return step if np.mean(on_lattice[near]) > 0.95 else None
+    step = spacing_of(np.sort(values), LOGS.few_levels)
+    return None if math.isnan(step) else step
 
 
 def _spreads(values: Array, segments: int) -> Array:
@@ -104,11 +97,11 @@ def _spreads(values: Array, segments: int) -> Array:
     K, (length, longer) = len(values), divmod(values.shape[1], segments)
     cut = longer * (length + 1)
     parts = (values[:, :cut].reshape(K, longer, length + 1), values[:, cut:].reshape(K, segments - longer, length))
-    centred = (np.abs(part - _medians(part)[..., None]) for part in parts if part.size)
-    return MAD_TO_STD * np.concatenate([_medians(part) for part in centred], axis=1)
+    centred = (np.abs(part - medians(part)[..., None]) for part in parts if part.size)
+    return MAD_TO_STD * np.concatenate([medians(part) for part in centred], axis=1)
 
 
-def _medians(rows: Array) -> Array:
+def medians(rows: Array) -> Array:
     """(...,) of each row (..., n) of numbers: `numpy.median`, which also looks for NaN."""
     middle = rows.shape[-1] // 2
     if rows.shape[-1] % 2:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import final
 
 import numpy as np
@@ -78,7 +76,7 @@ class AxisFit:
         self._lambda = np.maximum(self._lambda, 0.0)
         Z = np.column_stack([velocity, np.sign(velocity), acceleration, np.ones_like(velocity)])[m]
         size = np.sqrt(np.mean(Z**2, axis=0)) if m.any() else np.ones(4)
-        self._Z = U.T @ (Z / np.where(size > 1e-9, size, np.inf))
+        self._Z = np.ascontiguousarray(U.T @ (Z / np.where(size > 1e-9, size, np.inf)))
         self._L, self._U = U.T @ load[m], U
 
     def likelihood(
@@ -89,28 +87,25 @@ class AxisFit:
         other_bodies: not the effort is so many times what is described, but bodies are so many times further off than
         stated: y = L + g δ + … explains a column that has nothing to do with L as well as y = g (L + δ) + … does.
         """
+        from exogauge.loops.axis_fit import scan
+
         gains = GAINS[among]
         y = effort[self.moving]
         rms = float(np.sqrt(np.mean(y**2))) + 1e-9
-        y, Z = self._U.T @ y, self._Z
-        products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
-        shares = [share * rms for share in self._criteria.unmodelled]
-        every = [1.0 / (gains[:, None] ** 2 * self._lambda + share**2) for share in shares]  # (G, N) each
-        r = y - (np.ones_like(gains) if other_bodies else gains)[:, None] * self._L
-        M = np.concatenate([w @ products for w in every]).reshape(-1, 4, 4)
-        M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
-        most, coefficients = explained(M, np.concatenate([(w * r) @ Z for w in every]))
-        logs, lefts = np.full(len(gains), -np.inf), np.zeros((len(gains), len(y)))
-        for k, (share, w) in enumerate(zip(shares, every, strict=True)):
-            own = slice(k * len(gains), (k + 1) * len(gains))
-            found = 0.5 * (most[own] - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
-            better = found > logs
-            logs[better] = found[better]
-            left = (r - coefficients[own] @ Z.T) * np.sqrt(w) * share  # what a change of the load leaves too
-            lefts[better] = left[better]
+        y, shares = self._U.T @ y, rms * np.array(self._criteria.unmodelled)
+        logs, which, coefficients = (
+            np.empty(len(gains)),
+            np.zeros(len(gains), dtype=np.int64),
+            np.empty((len(gains), 4)),
+        )
+        offset = 1.0 / (self._criteria.offset * rms) ** 2
+        scan(self._Z, self._L, self._lambda, y, gains, other_bodies, shares, offset, logs, which, coefficients)
         described = AS_DESCRIBED[among]
         near = int(np.flatnonzero(described)[np.argmax(logs[described])])
-        misfit = float(np.sqrt(np.mean(lefts[near] ** 2))) / rms
+        gain, share = float(gains[near]), float(shares[which[near]])
+        left = y - (1.0 if other_bodies else gain) * self._L - self._Z @ coefficients[near]
+        left = left * share / np.sqrt(gain**2 * self._lambda + share**2)  # what a change of the load leaves too
+        misfit = float(np.sqrt(np.mean(left**2))) / rms
         all_logs = np.full(len(GAINS), -np.inf)
         all_logs[among] = self._criteria.independent * logs
         return Likelihood(all_logs, misfit)
@@ -140,20 +135,8 @@ class AxisFit:
 
 def explained(M: Array, b: Array) -> tuple[Array, Array]:
     """(G,) the most that columns with coefficients x explain, x_k >= 0 but for the last; and (G, K) these."""
-    G, K = b.shape
-    most, best = np.full(G, -np.inf), np.zeros((G, K))
-    for subset in _subsets(K - 1):
-        columns = [*subset, K - 1]
-        block = M[np.ix_(range(G), columns, columns)] + 1e-12 * np.eye(len(columns))
-        x = np.linalg.solve(block, b[:, columns, None])[..., 0]
-        gained = np.sum(x * b[:, columns], axis=1)
-        better = (x[:, :-1] >= 0.0).all(axis=1) & (gained > most)
-        most[better] = gained[better]
-        whole = np.zeros((G, K))
-        whole[:, columns] = x
-        best[better] = whole[better]
+    from exogauge.loops.axis_fit import explain
+
+    most, best = np.empty(len(b)), np.empty(b.shape)
+    explain(np.ascontiguousarray(M), np.ascontiguousarray(b), most, best)
     return most, best
-
-
-def _subsets(count: int) -> Sequence[tuple[int, ...]]:
-    return [each for size in range(count + 1) for each in combinations(range(count), size)]

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.units import UNITS
+from exogauge.plausibility.described import asked_of
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.plausibility.summit import summit
 from exogauge.robots.description import Robot
-from exogauge.robots.regressor import regressor
 
 Array = NDArray[np.float64]
 
@@ -190,7 +190,7 @@ def late_contacts(robot: Robot, seen: Snapshot) -> Late | None:
 
 def _asked(robot: Robot, seen: Snapshot) -> Array:
     """(N, 3) by the bodies as described."""
-    return np.asarray(regressor(robot.tree, seen.motion)[:, MOMENTS] @ robot.phi_in(seen.recording).ravel())
+    return asked_of(robot, seen.motion, seen.recording)[:, MOMENTS]
 
 
 def _given(robot: Robot, seen: Snapshot) -> Array:

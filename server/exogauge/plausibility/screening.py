@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.plausibility.axis_fit import AS_DESCRIBED, GAINS, explained
+from exogauge.plausibility.described import asked_of
 from exogauge.plausibility.expectation import on_axes, sliding
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import inverse_dynamics
 
 Array = NDArray[np.float64]
 
@@ -74,9 +74,8 @@ class _Terms:
             np.concatenate([getattr(each, name) for each in readings])
             for name in ("q", "dq", "ddq", "acc", "gyro", "gyro_dot")
         )
-        C, phi = robot.axes_from_joints, robot.phi_in(readings[0].recording)
-        joints = inverse_dynamics(robot.tree, Motion(q, dq, ddq, acc, gyro, gyro_dot), phi)[:, robot.rows.axes]
-        load = joints @ np.linalg.inv(C)
+        C = robot.axes_from_joints
+        load = asked_of(robot, Motion(q, dq, ddq, acc, gyro, gyro_dot), readings[0].recording)[:, robot.rows.axes]
         if paths is not None:
             wrenches = np.concatenate([each.wrenches for each in readings])
             load = load - paths.effect(q, wrenches)[:, robot.rows.axes]

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.sites import encoders
 from exogauge.plausibility.axis_fit import Likelihood
+from exogauge.plausibility.described import asked_of
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.pooling import pooled
 from exogauge.plausibility.relatives import related
 from exogauge.plausibility.remedies import shifted
 from exogauge.plausibility.summit import climb
 from exogauge.robots.description import Robot
-from exogauge.robots.regressor import inverse_dynamics
 
 Array = NDArray[np.float64]
 MOVING = ("dq", "ddq", "acc", "gyro", "gyro_dot")
@@ -79,15 +79,15 @@ def _load_slopes(robot: Robot, expected: Expected) -> Array:
     """(N, A, J) by how much each axis' load changes per radian of each joint's zero."""
     small = 0.01  # rad, of the difference quotient
     seen, J, axes = expected.seen, len(robot.joints), robot.rows.axes
-    paths, phi = ContactPaths(robot) if robot.contacts else None, robot.phi_in(seen.recording)
+    paths = ContactPaths(robot) if robot.contacts else None
     ways = []
     for step in (small, -small):
         q = np.concatenate([seen.q + step * own for own in np.eye(J)])
         tiled = replace(seen.motion, **{name: np.tile(getattr(seen, name), (J, 1)) for name in MOVING}, q=q)
-        load = inverse_dynamics(robot.tree, tiled, phi)[:, axes]
+        load = asked_of(robot, tiled, seen.recording)[:, axes]
         if paths is not None:
             load = load - paths.effect(q, np.tile(seen.wrenches, (J, 1, 1)))[:, axes]
-        ways.append((load @ np.linalg.inv(robot.axes_from_joints)).reshape(J, len(seen.q), -1))
+        ways.append(load.reshape(J, len(seen.q), -1))
     return np.asarray(np.moveaxis((ways[0] - ways[1]) / (2.0 * small), 0, -1))
 
 

@@ -218,9 +218,10 @@ class BodyLoads:
     """By the same sweep as `RowBlocks`, of whose columns only the sum is wanted. Threads may share it."""
 
     def __init__(
-        self, tree: RigidTree, base: BaseParameters, axes_from_joints: Array, sensor_frames: Sequence[str]
+        self, tree: RigidTree, columns: IntArray, axes_from_joints: Array, sensor_frames: Sequence[str]
     ) -> None:
-        self._base, self._floating, self._joints = base, tree.floating, len(tree.joints)
+        """columns: (B,) places of the parameters that are given, among all standard ones."""
+        self._columns, self._floating, self._joints = columns, tree.floating, len(tree.joints)
         self._bodies, self._to_axes = len(tree.bodies), np.asarray(np.linalg.inv(axes_from_joints).T)  # C⁻ᵀ
         self._mixed = not np.array_equal(self._to_axes, np.eye(self._joints))
         self._tree = tree_arrays(Kinematics(tree))
@@ -236,12 +237,12 @@ class BodyLoads:
     def of(self, motion: Motion, phi: Array) -> Array:
         """(L, rows, T) of each of L parameter sets: six base rows when floating, actuator axes, six for each sensor.
 
-        phi: (B, L) base parameters.
+        phi: (B, L).
         """
         from exogauge.loops.loads import fill_loads
 
         standard = np.zeros((10 * self._bodies, phi.shape[1]))
-        standard[self._base.columns] = phi
+        standard[self._columns] = phi
         sets = np.ascontiguousarray(standard.T).reshape(-1, self._bodies, 10)
         live: NDArray[np.bool_] = np.any(sets != 0.0, axis=2)
         out = np.empty((len(sets), 6 + self._joints + 6 * len(self._sensors[0]), motion.samples))

@@ -14,6 +14,7 @@ import numpy as np
 from defusedxml import DefusedXmlException
 from numpy.typing import NDArray
 
+from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
 from exogauge.remarks import About, Remark
 
@@ -69,6 +70,28 @@ def raised_inertias(urdf: bytes, file: str = "robot.urdf") -> tuple[Remark, ...]
     link, short, moments = max(raised, key=lambda each: each[1])
     names = tuple(name for name, _, _ in raised)
     return (Remark(About.INERTIA_RAISED, names, beside=(file, link), numbers=(short, *moments)),)
+
+
+def impossible_density(urdf: bytes, file: str, criteria: Examining) -> tuple[Remark, ...]:
+    """Whether half of the robot's mass, as ellipsoids of the links' mass and inertia, is denser or lighter than matter
+    is: a unit is not SI then. Single links do not count: fingers and frames often have a point's inertia."""
+    masses, densities = list[float](), list[float]()
+    for _, _, mass, matrix in _bodies(_parse(urdf, file)):
+        if mass > 0.0:
+            principal = np.linalg.eigvalsh(matrix)
+            second = np.maximum(0.5 * principal.sum() - principal, 0.0)
+            volume = 4.0 / 3.0 * math.pi * float(np.prod(np.sqrt(5.0 * second / mass)))
+            masses.append(mass)
+            densities.append(mass / volume if volume > 0.0 else math.inf)
+    if not masses:
+        return ()
+    order = np.argsort(densities)
+    share = np.cumsum(np.array(masses)[order]) / sum(masses)
+    half = densities[order[int(np.searchsorted(share, 0.5))]]
+    if criteria.lightest <= half <= criteria.densest:
+        return ()
+    about = About.TOO_DENSE if half > criteria.densest else About.TOO_LIGHT
+    return (Remark(about, beside=(file,), numbers=(sum(masses), half)),)
 
 
 def numbers(text: str) -> list[float]:
@@ -209,23 +232,30 @@ def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, tuple[f
     Mass, centre and axes stay. Inertias beyond that, and what is no number, are left to `_inertial_faults`.
     """
     raised = []
-    for link in robot.findall("link"):
-        inertia = link.find("inertial/inertia")
-        try:
-            mass = float(link.find("inertial/mass").get("value", ""))  # type: ignore[union-attr]
-            xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)  # type: ignore[union-attr]
-            matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-            principal = np.linalg.eigvalsh(matrix)
-        except (AttributeError, ValueError, np.linalg.LinAlgError):
-            continue
+    for link, inertia, mass, matrix in _bodies(robot):
+        principal = np.linalg.eigvalsh(matrix)
         short = float(2.0 * principal[2] - principal.sum())
         if mass <= 0.0 or not INERTIA_TOLERANCE * np.abs(principal).sum() < short <= SLIGHT:
             continue
         possible = _nearest_possible(matrix)
         for name, place in PLACES.items():
-            inertia.set(name, repr(float(possible[place])))  # type: ignore[union-attr]
+            inertia.set(name, repr(float(possible[place])))
         raised.append((link.get("name", ""), short, tuple(map(float, principal))))
     return raised
+
+
+def _bodies(robot: Element) -> Iterator[tuple[Element, Element, float, Array]]:
+    """Link, its <inertia>, mass and (3, 3) inertia about the centre of mass, where all are finite numbers."""
+    for link in robot.findall("link"):
+        inertia = link.find("inertial/inertia")
+        try:
+            mass = float(link.find("inertial/mass").get("value", ""))  # type: ignore[union-attr]
+            xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)  # type: ignore[union-attr]
+        except (AttributeError, ValueError):
+            continue
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        if inertia is not None and math.isfinite(mass) and np.all(np.isfinite(matrix)):
+            yield link, inertia, mass, matrix
 
 
 def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:

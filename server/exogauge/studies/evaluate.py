@@ -46,15 +46,16 @@ from exogauge.studies.results.discrepancy_results import (
     motion_table,
     planned_files,
 )
-from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
+from exogauge.studies.results.document import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import (
     examine_logs,
     refuse_what_made_it_worse,
     suspects,
     told_of_errors,
-    without_other_clocks,
+    without_spoiled,
 )
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
@@ -123,17 +124,18 @@ def _evaluate(
         findings = examine_logs(study.robot, logs.recordings, worn, study.settings.criteria)
         plans = _plans_of(study, [*(each.log for each in logs.recordings), *(each.log for each in worn)])
         compared = frozenset(name for name, each in study.motions.items() if each.role == "without_device")
-        recordings, left_out = without_other_clocks(logs.recordings, findings, compared)
+        kept = without_spoiled(study.robot, logs.recordings, findings, compared)
+        recordings, spoiled = kept.recordings, kept.spoiled
         plain = logs.as_plain(recordings)
         spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
             found = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
         except BadLog as error:  # what the doctor suspects comes first: it knows the cause
-            raise BadLog([*suspects(findings), *error.faults]) from error
-        if "discrepancy" not in doing:  # where it is done, what has no name yet looks like a wrong number
+            raise BadLog([*suspects(kept.findings), *error.faults]) from error
+        if not spoiled and "discrepancy" not in doing:  # where it is, what has no name yet looks like a wrong number
             found = let_go(found, recordings, study.settings)
-        doubts, bare = refuse_what_made_it_worse(found, recordings, findings), found.model
-        doubts = [*told_of_errors(study.robot, findings), *left_out, *doubts]
+        doubts, bare = refuse_what_made_it_worse(found, recordings, kept.findings), found.model
+        doubts = [*kept.notices, *told_of_errors(study.robot, kept.findings), *doubts]
         give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
@@ -143,8 +145,9 @@ def _evaluate(
         if "discrepancy" in doing:
             with keeping(failed, "discrepancy"):
                 missing = find_missing_effects(
-                    found, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY], _moving(study)
-                )
+                    found, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY], _moving(study),
+                    spoiled=spoiled[0] if spoiled else "",
+                )  # fmt: skip
                 alike = filtered_alike(worn, missing.recordings, missing.settings.criteria.stored_filter)
                 discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
                 plain_now, worn_now = logs.as_plain(missing.recordings), alike
@@ -163,13 +166,17 @@ def _evaluate(
                 gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
                 support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
                 failed += untold
-                if discrepancy is not None and not untold:
+                if discrepancy is not None and not untold and not spoiled:
                     with keeping(failed, "discrepancy"):
                         if earlier is not None:
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
                         stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
+        told_of = found.by_stated_constants()
+        if spoiled:
+            told_of = told_of.with_nothing_decided()
+            stiffness = tuple(each.with_nothing_decided() for each in stiffness)
         writing(0.87, Doing.WRITING_RESULTS)
         evaluation = Evaluation(
             name=study.name,
@@ -178,7 +185,7 @@ def _evaluate(
             steps=told(steps, failed),
             inputs=study.bundle.inputs,
             findings=findings,
-            identification=found.by_stated_constants(),
+            identification=told_of,
             notices=(*study.notices, *doubts, *(Notice("failed_step", each.sentence) for each in failed)),
             files={},
             support=support,
@@ -291,6 +298,11 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         evaluation = replace(evaluation, taken_over=_write_taken_over(study, evaluation, temporary, files))
         files |= _write_all_series(evaluation, temporary)
         urdf, notices = identified_urdf(study, found)
+        if any(each.code == About.SPOILED_FIT for each in evaluation.notices):
+            urdf, notices = (
+                None,
+                [Notice("no_urdf", "No URDF with identified inertias was written: the fit is spoiled.")],
+            )
         if urdf is not None:
             (temporary / URDF).write_bytes(urdf)
             files["urdf"] = URDF

@@ -13,7 +13,7 @@ import pytest
 from exogauge.findings.planned_motion import Apart, PlannedMotion, Sweep
 from exogauge.findings.result import Discrepancy
 from exogauge.studies.results.discrepancy_results import discrepancy_entry, motion_table, planned_files
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.schema.discrepancy import RivalApart
 from exogauge.studies.words.finding_sentences import planned_sentence
 

@@ -13,7 +13,8 @@ from exogauge.identification.result import Identification
 from exogauge.studies.evaluate import write
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import Evaluation, finite, results, to_json
+from exogauge.studies.results.document import Evaluation, results, to_json
+from exogauge.studies.results.plain_values import finite
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidenc
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.report.figures import label
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.names import at_place, channel, place_words
 
 FX, BASE = Place("sensor", "wrist", "fx"), Place("base", "base")

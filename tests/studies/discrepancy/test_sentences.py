@@ -11,7 +11,7 @@ from exogauge.devices.result import Estimate
 from exogauge.findings.result import Alternative, Discrepancy, Excess, Place
 from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
 from exogauge.studies.words.names import at_place, listed, place_words, titled, words_of_effects
 

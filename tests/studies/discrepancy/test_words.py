@@ -13,7 +13,7 @@ from exogauge.findings.basis import OfBand, OfRobot
 from exogauge.findings.result import Alternative, ChainStep, Discrepancy, HeldOut, Link, Place
 from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.finding_sentences import finding_sentence, objection_words
 from exogauge.studies.words.names import step_words, words_of_effects
 

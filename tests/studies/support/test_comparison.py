@@ -12,7 +12,7 @@ import pytest
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.studies.results.comparison import as_csv, as_latex, compare, verdict
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.support_results import stiffness_entries, support_entries
 from exogauge.support.result import SupportResult
 

@@ -18,7 +18,8 @@ from exogauge.identification.result import Identification
 from exogauge.robots.description import Declared
 from exogauge.studies.evaluate import write
 from exogauge.studies.intake.open import open_study
-from exogauge.studies.results.document import Evaluation, finite, to_json
+from exogauge.studies.results.document import Evaluation, to_json
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.support_results import (
     doubted,
     main_joints,

@@ -98,7 +98,7 @@ def findings(log: Log, expected: Expectation) -> list[dict[str, Any]]:
     """As results.json has them, with the sample's index from 0 and its time [s] where one is meant, and the samples
     around it."""
     from exogauge.logs.doctor import examine
-    from exogauge.studies.results.document import finite
+    from exogauge.studies.results.plain_values import finite
 
     return [
         finite(

@@ -89,7 +89,7 @@ def _scope(scope: Mapping[str, Any], most: int) -> str:
 def _found(results: Mapping[str, Any], detail: Detail) -> list[str]:
     """What the doctor holds for wrong, and what is left out for it; how much the wears support, what the model lacks,
     how well it predicts: a paragraph each."""
-    of_doctor = (About.DOCTOR_ERRORS, About.LOGS_LEFT_OUT)
+    of_doctor = (About.SPOILED_FIT, About.DOCTOR_ERRORS, About.LOGS_SPOILED, About.LOGS_LEFT_OUT)
     wrong = " ".join(each["sentence"] for each in results["notices"] if each["code"] in of_doctor)
     worn = " ".join(_strongest(results, device) for device in results["scope"]["devices"][: detail.devices])
     lacks = ""

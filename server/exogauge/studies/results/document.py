@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final
 
 from exogauge.criteria.criterion import entries
@@ -31,6 +31,7 @@ from exogauge.studies.results.configuration import (
     stated_settings,
 )
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.plan_results import PlansOfStudy, plan_entries
 from exogauge.studies.results.schema import StudyResults
 from exogauge.studies.results.scope import scope_entry
@@ -332,20 +333,3 @@ def validation_table(found: Identification) -> bytes:
     """validation.csv: one row per channel and log."""
     columns = tuple(each.name for each in fields(ChannelFit))
     return csv_table(columns, ([getattr(each, column) for column in columns] for each in found.validation))
-
-
-def finite(value: Any) -> Any:
-    """Plain JSON values: numpy numbers become numbers, NaN and infinity null."""
-    if hasattr(value, "tolist") and not isinstance(value, str):
-        value = value.tolist()
-    if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    if isinstance(value, Mapping):
-        return {str(key): finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, str | int):
-        return value
-    return str(value)

@@ -7,9 +7,9 @@ An identification that explains held-out logs worse than the maker's numbers is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,13 @@ from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
-from exogauge.plausibility.examine import OTHER_CLOCK, examine_against_robot
+from exogauge.logs.findings import kind_of
+from exogauge.plausibility.examine import OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import expectation
-from exogauge.studies.results.document import finite
+from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
 
@@ -59,22 +60,67 @@ def examine_logs(
     ]
 
 
-def without_other_clocks(
-    recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]], kept: frozenset[str]
-) -> tuple[list[Recording], list[Notice]]:
-    """The recordings that are used, and what is told of the others. findings: of the doctor. kept: recordings
-    that stay, as runs with the device are compared with them.
+@final
+@dataclass(frozen=True)
+class Used:
+    """The recordings that are fitted and judged by, what of the doctor's findings is about them and about logs with a
+    device, and what is told of the others. spoiled: those that are fitted although the doctor holds them for spoiled,
+    as no others are."""
+
+    recordings: list[Recording]
+    findings: list[Mapping[str, Any]]
+    notices: list[Notice]
+    spoiled: tuple[str, ...] = ()
+
+
+def without_spoiled(
+    robot: Robot, recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]], kept: frozenset[str]
+) -> Used:
+    """findings: of the doctor. kept: recordings that stay, as runs with the device are compared with them.
 
     All stay where no fitted log would be left.
     """
-    late = {each["log"]: float(each["value"]) for each in findings if each["rule"] == OTHER_CLOCK}
-    gone = [each for each in recordings if each.log.name in late and each.log.recording not in kept]
+    against, needed = dict[str, Mapping[str, Any]](), _identified_by(robot)
+    for each in findings:
+        if each["channel"] in needed and (each["severity"] == "error" or each["rule"] in SPOILING):
+            against.setdefault(each["log"], each)
+    dead = {each["channel"]: each for each in findings if each["rule"] == "position_dead"}
+    for each in findings:  # what is dead in one log is so where it stays at the same number
+        same = dead.get(each["channel"]) if each["rule"] == "does_not_move" else None
+        if same is not None and np.isclose(each["value"], same["value"], rtol=0.0, atol=1e-9):
+            against.setdefault(each["log"], same)
+    gone = [each for each in recordings if each.log.name in against and each.log.recording not in kept]
     used = [each for each in recordings if each not in gone]
-    if not gone or all(each.held_out for each in used):
-        return list(recordings), []
+    if gone and all(each.held_out for each in used):
+        spoiled = tuple(each.log.name for each in gone if not each.held_out)
+        return Used(list(recordings), list(findings), _told_of(spoiled, against, About.SPOILED_FIT), spoiled)
     names = tuple(each.log.name for each in gone)
-    remark = Remark(About.LOGS_LEFT_OUT, names, tuple((late[name],) for name in names))
-    return used, [notice(remark)]
+    late = tuple(name for name in names if against[name]["rule"] == OTHER_CLOCK)
+    notices = [notice(Remark(About.LOGS_LEFT_OUT, late, tuple((float(against[each]["value"]),) for each in late)))]
+    others = _told_of([each for each in names if each not in late], against, About.LOGS_SPOILED)
+    about = [each for each in findings if each["log"] not in names]
+    return Used(used, about, [*(notices if late else []), *others])
+
+
+def _identified_by(robot: Robot) -> set[str]:
+    """Channels, and what the doctor calls several of them."""
+    needed = needed_channels(robot)
+    kinds = {kind_of(each) for each in needed}
+    sensors = {each.rpartition(".")[0] for each in needed if kind_of(each) == "ft"}
+    return {*needed, *kinds, *(f"{kind}.*" for kind in kinds), *sensors, "t", "base"}
+
+
+def _told_of(logs: Sequence[str], against: Mapping[str, Mapping[str, Any]], about: About) -> list[Notice]:
+    """One for all logs that have the same against them."""
+    alike = dict[tuple[str, str], list[str]]()
+    for log in logs:
+        alike.setdefault((against[log]["channel"], against[log]["rule"]), []).append(log)
+    found = []
+    for (channel, _), names in alike.items():
+        first = against[names[0]]
+        advice = str(first["advice"]).rstrip(".") or "look at that channel"
+        found.append(notice(Remark(about, tuple(names), beside=(f"{channel} {first['detail']}", advice))))
+    return found
 
 
 def _entry(log: str, finding: Finding) -> dict[str, Any]:
@@ -92,6 +138,7 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
+SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, "position_dead"}  # beside what is an error
 WORSE = 1.1  # times the error of the maker's numbers
 NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
 

@@ -282,6 +282,8 @@ def reason_words(caveat: Caveat | None) -> str:
                 f"or every link weighs and every motor gives as much {more} than stated. Nothing in these logs "
                 "tells the two apart; weigh the robot"
             )
+        case "spoiled":
+            reason = f"the doctor holds {caveat.of} for spoiled, and no other log can be fitted; mend that first"
         case "declared":
             others = f" and {counted(caveat.others, 'other channel')}" if caveat.others else ""
             reason = f"{channel(caveat.of)}{others} {declared_words(caveat.others + 1, caveat.rival)}"

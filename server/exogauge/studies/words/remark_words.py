@@ -31,6 +31,14 @@ FORMS: Mapping[About, Form] = {
         "{1:.4g}, {2:.4g}, {3:.4g}). The nearest possible one is taken: correct the URDF if it matters.",
         each="'{name}'",
     ),
+    About.TOO_DENSE: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is denser than {1:.2g} kg/m³: no "
+        "matter is. Masses are in kg and inertias in kg·m²: were the masses written in grams?"
+    ),
+    About.TOO_LIGHT: Form(
+        "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is lighter than {1:.2g} kg/m³: no "
+        "robot is. Masses are in kg and inertias in kg·m²: were the inertias written in kg·mm² or g·mm²?"
+    ),
     About.FACTOR_OPEN: Form(
         "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
         "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load "
@@ -112,6 +120,14 @@ FORMS: Mapping[About, Form] = {
         "In {names} efforts and positions are of clocks that began apart: nothing is fitted to, or judged by, these "
         "logs. State that delay in their mapping to have them back.",
         each="{name} ({0:+.2f} s)",
+    ),
+    About.LOGS_SPOILED: Form(
+        "Left out, as the doctor holds it for spoiled: {names} ({file}). Nothing is fitted to it, or judged by it. To "
+        "have it back, do what the doctor advises: {worst}."
+    ),
+    About.SPOILED_FIT: Form(
+        "What is fitted is spoiled: {names} ({file}). No other log is there to be fitted, so no effect is named and no "
+        "number that rests on it counts as decided by the data. Mend that first: {worst}."
     ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."

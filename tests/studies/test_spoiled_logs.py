@@ -1,0 +1,101 @@
+"""A log that the doctor holds for spoiled: left out where another can be fitted; else nothing is said of its fit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.fuzz.small_robots import simulated_logs, write_study
+
+from exogauge.studies.evaluate import evaluate
+
+Columns = dict[str, np.ndarray]
+
+pytestmark = pytest.mark.slow
+
+
+@cache
+def recorded(floating: bool = False) -> dict[str, Columns]:
+    return simulated_logs(floating)
+
+
+def turned(columns: Columns) -> Columns:
+    return columns | {"i.j2": -columns["i.j2"]}
+
+
+def dead(columns: Columns) -> Columns:
+    return columns | {"q.j2": np.zeros_like(columns["q.j2"])}
+
+
+def evaluated(place: Path, logs: dict[str, Columns], floating: bool = False) -> dict[str, Any]:
+    study = write_study(place / "study", floating, logs, steps="[identify, discrepancy]")
+    evaluate(study, place / "out", lambda *_: None)
+    content: dict[str, Any] = json.loads((place / "out" / "results.json").read_text())
+    content["page"] = unescape((place / "out" / "summary.html").read_text())
+    content["report"] = unescape((place / "out" / "report.html").read_text())
+    return content
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return evaluated(tmp_path_factory.mktemp("right"), recorded())
+
+
+@pytest.mark.parametrize(("spoil", "channel"), [(turned, "i.j2"), (dead, "q.j2")])
+@pytest.mark.parametrize("name", ["id_1", "val_1"])
+def test_one_of_several_is_neither_fitted_nor_judged_by(
+    spoil: Callable[[Columns], Columns], channel: str, name: str, right: dict[str, Any], tmp_path: Path
+) -> None:
+    found = evaluated(tmp_path, recorded() | {name: spoil(recorded()[name])})
+    (told,) = [each for each in found["notices"] if each["code"] == "logs_spoiled"]
+    assert told["names"] == [name]
+    assert told["sentence"].startswith(f"Left out, as the doctor holds it for spoiled: {name} ({channel} ")
+    assert told["sentence"] in found["page"]
+    assert not [each for each in found["notices"] if each["code"] == "doctor_errors"]  # nothing rests on it
+    assert any(each["log"] == name for each in found["doctor"])
+    assert name not in {each["log"] for each in found["identification"]["validation"]}
+    assert found["discrepancy"]["findings"] == right["discrepancy"]["findings"] == []
+    for then, now in zip(*(each["identification"]["joints"] for each in (right, found)), strict=True):
+        for constant in ("k_T", "tau_c", "k_d"):
+            size = abs(now[constant]["value"] - then[constant]["value"])
+            assert size < 3.0 * float(np.hypot(now[constant]["std"], then[constant]["std"])), (then["joint"], constant)
+
+
+def rippled(columns: Columns) -> Columns:
+    """With an effect that the search names where no log is spoiled."""
+    return columns | {"i.j3": columns["i.j3"] + 0.15 * np.sin(9.0 * columns["q.j3"])}
+
+
+def exchanged(columns: Columns) -> Columns:
+    return columns | {"i.j2": columns["i.j3"], "i.j3": columns["i.j2"]}
+
+
+@pytest.mark.parametrize(
+    ("floating", "spoil", "channel"), [(False, dead, "q.j2"), (True, dead, "q.j2"), (True, exchanged, "i.j3")]
+)
+def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decided(
+    floating: bool, spoil: Callable[[Columns], Columns], channel: str, tmp_path: Path
+) -> None:
+    """A dead position of the floating robot is contradicted in one fitted log alone; it is as dead in the other."""
+    logs = {name: spoil(rippled(columns)) for name, columns in recorded(floating).items()}
+    found = evaluated(tmp_path, logs, floating)
+    told = [each for each in found["notices"] if each["code"] == "spoiled_fit"]
+    assert [name for each in told for name in each["names"]] == ["id_1", "id_2"]
+    for each in told:
+        assert channel in each["sentence"]
+        assert 0 <= found["page"].index(each["sentence"]) < found["page"].index("RMSE on")
+        assert each["sentence"] in found["report"]
+    assert found["discrepancy"]["verdict"] == "undecided"
+    assert found["discrepancy"]["findings"] == []
+    assert "urdf" not in found["files"]
+    assert "the doctor holds id_1 for spoiled" in found["discrepancy"]["sentence"]
+    parameters = found["identification"]["parameters"]
+    assert parameters
+    assert not [each["name"] for each in parameters if each["identifiable"]]
+    assert {"k_T[j1]", "tau_c[j3]"} <= set(found["identification"]["unidentifiable"])
