@@ -207,6 +207,40 @@ def test_times_to_the_millisecond_are_even(tmp_path: Path) -> None:
     assert refused(path)[0] == "uneven_time"
 
 
+def test_a_time_that_does_not_run_is_told_at_its_row_of_the_file(tmp_path: Path) -> None:
+    """It was counted in frames: rows of the header were left out."""
+    path = trc(tmp_path / "a.trc", body(40))
+    lines = path.read_text().split("\n")
+    rows = [lines[:6], lines[6:26], [line.replace("\t0.", "\t5.", 1) for line in lines[26:27]], lines[27:]]
+    path.write_text("\n".join(line for part in rows for line in part))
+    with pytest.raises(BadMotion) as found:
+        open_motion(path)
+    fault = found.value.faults[0]
+    assert (fault.rule, fault.row, fault.value) == ("uneven_time", 27, "5.2")
+    (tmp_path / "a.mot").write_text("inDegrees=yes\n\nendheader\ntime\thip\n0\t1\n0.01\t2\n0.05\t3\n0.06\t40\n")
+    with pytest.raises(BadMotion) as found:
+        open_motion(tmp_path / "a.mot")
+    assert found.value.faults[0].rule == "uneven_time"
+    assert (tmp_path / "a.mot").read_text().split("\n")[(found.value.faults[0].row or 0) - 1].startswith("0.0")
+
+
+def test_frames_that_are_all_the_same_are_told(tmp_path: Path) -> None:
+    """A table of one frame written many times: a body of it fits to nothing."""
+    there = body(20)
+    assert open_motion(trc(tmp_path / "a.trc", np.repeat(there[:1], 20, axis=0))).told["still"]
+    assert "still" not in open_motion(trc(tmp_path / "b.trc", there)).told
+
+
+def test_a_unit_that_nothing_tells_is_asked_for_without_a_height(tmp_path: Path) -> None:
+    trunk = ("C7", "LASI", "RASI")
+    path = trc(tmp_path / "a.trc", body()[:, [2, 3, 4]], labels=trunk, unit="furlong")
+    with pytest.raises(BadMotion) as found:
+        open_motion(path, up="z")
+    fault = found.value.faults[0]
+    assert (fault.rule, fault.value) == ("no_unit", None)
+    assert "feet and head" in str(fault)
+
+
 def test_a_header_of_a_trc_may_leave_a_cell_empty(tmp_path: Path) -> None:
     """What followed moved up: the unit was the number of markers."""
     path = trc(tmp_path / "a.trc", 1000 * body(), "mm")

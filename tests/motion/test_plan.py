@@ -586,6 +586,31 @@ def test_a_file_that_is_no_motion_is_refused_where_it_is_wrong(written, robot, t
     assert fault.column.startswith(place[1])
 
 
+def test_a_table_of_milliseconds_is_refused_and_a_joint_that_is_not_there_is_told(
+    written, robot: MotionRobot, folder: Path, tmp_path: Path, capsys
+) -> None:
+    """A thousand times slower every bound held; a joint that was misspelt stayed at home, and its column was passed
+    over."""
+    columns = columns_of(written[0])
+    with pytest.raises(BadMotion) as told:
+        read_written(robot, table(tmp_path / "ms.csv", columns | {"t": 1000.0 * columns["t"]}))
+    fault = told.value.faults[0]
+    assert (fault.rule, fault.row, fault.column, fault.value) == ("slow_clock", 2, "t", "5")
+    wrong = table(tmp_path / "odd.csv", {name.replace("neck_yaw", "neck"): x for name, x in columns.items()})
+    assert main(["motion", "check", str(wrong), "--robot", str(folder / "robot.yaml"), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["held at home"], said["no joint of it"]) == ("neck_yaw", "q.neck")
+
+
+@pytest.mark.parametrize("rate", ["0", "-5", "nan", "1", "1e9"])
+@pytest.mark.parametrize("step", ["check", "export"])
+def test_a_rate_at_which_nothing_can_be_judged_is_refused(written, folder: Path, capsys, step: str, rate: str) -> None:
+    """-5 ended in a traceback, 1 judged nine samples of a motion and found them fine."""
+    command = ["motion", step, str(written[0]), "--robot", str(folder / "robot.yaml"), "--rate", rate]
+    assert main(command) == 2
+    assert "rate_hz" in capsys.readouterr().err
+
+
 def test_joints_that_a_file_does_not_name_stay_at_home(written, robot: MotionRobot, tmp_path: Path) -> None:
     columns = columns_of(written[0])
     del columns["q.neck_yaw"]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from exogauge.motion.contract import RetargetEntry
     from exogauge.motion.plan.judge import Judged
     from exogauge.motion.plan.spline import Trajectory
+    from exogauge.motion.plan.written import Written
     from exogauge.robots.moving.robot import MotionRobot
 
 
@@ -220,14 +221,19 @@ def check_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
+    rate = _rate(args)
     robot = load_motion_robot(args.robot, beside=True)
     written = read_written(robot, args.file)
-    judged = judge(robot, written, standing(robot), rate=args.rate, planned=written)
+    judged = judge(robot, written, standing(robot), rate=rate, planned=written)
     said = {"robot": robot.name, "motion": args.file.name, "seconds": round(written.duration, 3)}
-    if written.held:
-        said["held at home"] = ", ".join(written.held)
-    _print(said | margins(robot, judged), args.json)
+    _print(said | _unlike(written) | margins(robot, judged), args.json)
     return 1 if judged.broken else 0
+
+
+def _unlike(written: Written) -> dict[str, str]:
+    """Where the table and the robot do not have the same joints."""
+    said = {"held at home": written.held, "no joint of it": written.beside}
+    return {key: ", ".join(names) for key, names in said.items() if names}
 
 
 def excite_robot(args: argparse.Namespace) -> int:
@@ -295,16 +301,25 @@ def retarget_motion(args: argparse.Namespace) -> int:
 
 def wanted_of(args: argparse.Namespace) -> RetargetEntry:
     """Raises BadMotion with the option that is wrong."""
+    given = {"begin": args.begin, "slow": args.slow, "repeat": args.repeat, "mirror": args.mirror, "share": args.share,
+             "without": args.without, "what_would_do": args.what_would_do}  # fmt: skip
+    given |= {} if args.end is None else {"end": args.end}
+    given |= {} if args.margin is None else {"margin_m": args.margin}
+    return _entry(given | ({} if args.rate is None else {"rate_hz": args.rate}))
+
+
+def _rate(args: argparse.Namespace) -> float | None:
+    """[Hz], as a plan may have it. Raises BadMotion."""
+    return None if args.rate is None else _entry({"rate_hz": args.rate}).rate_hz
+
+
+def _entry(given: Mapping[str, object]) -> RetargetEntry:
+    """Raises BadMotion."""
     from pydantic import ValidationError
 
     from exogauge.errors import BadMotion, Fault
     from exogauge.motion.contract import RetargetEntry
 
-    given = {"begin": args.begin, "slow": args.slow, "repeat": args.repeat, "mirror": args.mirror, "share": args.share,
-             "without": args.without, "what_would_do": args.what_would_do}  # fmt: skip
-    given |= {} if args.end is None else {"end": args.end}
-    given |= {} if args.margin is None else {"margin_m": args.margin}
-    given |= {} if args.rate is None else {"rate_hz": args.rate}
     try:
         return RetargetEntry.model_validate(given)
     except ValidationError as wrong:
@@ -322,12 +337,12 @@ def export_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
+    rate = _rate(args)
     robot = load_motion_robot(args.robot, beside=True)
     motion = read_written(robot, args.file)
-    judged = judge(robot, motion, standing(robot), rate=args.rate, planned=motion)
-    return _written(
-        args, robot, motion, judged, {"robot": robot.name, "motion": args.file.name} | margins(robot, judged)
-    )
+    judged = judge(robot, motion, standing(robot), rate=rate, planned=motion)
+    said = {"robot": robot.name, "motion": args.file.name} | _unlike(motion) | margins(robot, judged)
+    return _written(args, robot, motion, judged, said)
 
 
 def _written(

@@ -42,6 +42,7 @@ class Captured:
     """unit: metres per unit of length, None where the file does not say. up: (3,) axis, None likewise.
 
     labels, position: (T, M, 3) of markers, NaN where one was not seen; or a skeleton, in the file's axes and unit.
+    row: of the file, that holds the first frame.
     """
 
     format: str
@@ -52,6 +53,7 @@ class Captured:
     position: Array | None = None
     skeleton: JointTree | None = None
     told: Mapping[str, str] = field(default_factory=dict)
+    row: int = 1
 
 
 def lines_of(path: Path) -> list[str]:
@@ -95,8 +97,8 @@ def not_radians(path: Path, most: float) -> None:
                     value=f"{most:.3g}")  # fmt: skip
 
 
-def even_time(path: Path, time: Array) -> Array:
-    """From 0, on an even clock."""
+def even_time(path: Path, time: Array, row: int = 1) -> Array:
+    """From 0, on an even clock. row: of the file, that holds the first time."""
     if len(time) < 2:
         raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
     even = np.linspace(0.0, time[-1] - time[0], len(time))
@@ -107,7 +109,7 @@ def even_time(path: Path, time: Array) -> Array:
     allowed = max(USUAL.uneven * even[1], min(USUAL.rounded_s, USUAL.rounded * even[1]))
     if not even[1] > 0.0 or stray.max() > allowed:
         raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
-                    row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
+                    row=int(stray.argmax()) + row, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
     return even
 
 

@@ -153,7 +153,7 @@ def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captur
 
 
 def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None) -> HumanMotion:
-    time = even_time(path, captured.time)
+    time = even_time(path, captured.time, captured.row)
     body = captured.skeleton
     names = captured.labels if body is None else body.names
     preset, segment = recognise(names)
@@ -166,6 +166,8 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
     if not np.isfinite(points).any():
         raise fault(path, "no marker was seen in any frame", "all_gaps", "Export the trial with its trajectories")
     told = {"format": captured.format, **captured.told, "preset": preset or "none knows these names"}
+    if np.array_equal(points, np.broadcast_to(points[0], points.shape), equal_nan=True):
+        told["still"] = "every frame is the same"
     twice = sorted(name for name, times in Counter(names).items() if times > 1 and name in segment)
     if twice:
         raise fault(path, "two bones have the same name", "same_name", "Give each a name of its own", column="names",
@@ -262,8 +264,10 @@ def _metres(path: Path, captured: Captured, stated: str | None, height: float) -
         return captured.unit, f"read: {captured.unit:g} m"
     fit = [name for name, metres in UNITS.items() if USUAL.shortest_m <= height * metres <= USUAL.tallest_m]
     if len(fit) != 1:
-        raise fault(path, "the unit of length is neither said nor seen", "no_unit", "Say it: m, cm, mm, in or cmu",
-                    column="unit", value=f"feet to head {height:.4g}")  # fmt: skip
+        detail = "the unit of length is neither said nor seen" + ("" if np.isfinite(height) else
+                 ": no names of feet and head are known")  # fmt: skip
+        raise fault(path, detail, "no_unit", "Say it: m, cm, mm, in or cmu", column="unit",
+                    value=f"feet to head {height:.4g}" if np.isfinite(height) else None)  # fmt: skip
     return UNITS[fit[0]], f"guessed: {fit[0]}, as feet to head are {height * UNITS[fit[0]]:.2f} m then"
 
 

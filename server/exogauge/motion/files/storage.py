@@ -43,7 +43,7 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
         raise fault(path, "these are forces of the ground and no motion", "forces", "Give the markers or the angles",
                     row=head, column=names[1], value=names[1])  # fmt: skip
     turning = np.array([not name.endswith(LENGTHS) for name in names[1:]])
-    time, stated_angle = even_time(path, data[:, 0]), angle
+    time, stated_angle = even_time(path, data[:, 0], rows[0][0] if rows else 1), angle
     angle = angle or {"yes": "deg", "no": "rad"}.get(header.get("indegrees", ""))
     value = data[:, 1:]
     most = float(np.abs(value[:, turning]).max(initial=0.0))

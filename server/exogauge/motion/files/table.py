@@ -85,7 +85,8 @@ def points_of(path: Path, table: Table, rows: Rows) -> Captured:
     points = position.reshape(len(rows), len(table.labels), 3)
     _whole(path, table, rows, points)
     points[(points == 0.0).all(axis=2)] = np.nan
-    return Captured(table.format, _times(path, table, time), table.unit, None, table.labels, points, told=table.told)
+    return Captured(table.format, _times(path, table, time), table.unit, None, table.labels, points, told=table.told,
+                    row=rows[0][0] if rows else 1)  # fmt: skip
 
 
 def _cells(path: Path, table: Table, row: int, line: str, last: bool) -> list[str]:

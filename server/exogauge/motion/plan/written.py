@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from exogauge.criteria.motion_import import USUAL as IMPORT
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.logs.open_table import open_table
@@ -30,12 +31,13 @@ SAME_S = 1e-6  # what rounding leaves of a time
 @dataclass(frozen=True)
 class Written:
     """time: (T,) [s] from 0; q: (T, n). held: joints that the file does not name, at home throughout. stands: (T, F)
-    feet in the order of the robot's soles."""
+    feet in the order of the robot's soles. beside: columns q.<name> of which the robot has no such joint."""
 
     time: Array
     q: Array
     held: tuple[str, ...]
     stands: BoolArray
+    beside: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -117,6 +119,10 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
         raise BadMotion(Fault("time does not run on" if len(back) else "too few samples for a motion", "bad_time",
                               f"At least {FEWEST} rows, each later than the one before", path.name, row, "t",
                               f"{time[row - 1]:g}" if len(time) else None))  # fmt: skip
+    if (step := float(np.median(np.diff(time)))) > IMPORT.longest_frame_s:
+        raise BadMotion(Fault(f"from one row to the next it is {step:.4g} s", "slow_clock",
+                              "t is in seconds; a motion takes some rows a second", path.name, 2, "t",
+                              f"{time[1]:g}"))  # fmt: skip
     home = home_of(robot) if robot.floating or robot.home is None else robot.home
     q = np.tile(home, (len(time), 1))
     for name in known:
@@ -125,7 +131,9 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     stands = _stands(robot, {name: columns[name] for name in feet}, len(time), path.name)
     if robot.floating:
         q[:, : robot.base] = base_on(robot, q, stands)
-    return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known), stands)
+    held = tuple(name for name in robot.joints if name not in known)
+    beside = tuple(name for name in names if name.startswith("q.") and name[2:] not in known)
+    return Written(time - time[0], q, held, stands, beside)
 
 
 def _refuse_degrees(robot: MotionRobot, q: Array, file: str) -> None:

@@ -46,6 +46,7 @@ export const TOLD: Record<string, string> = {
   measured: "Measured",
   far_away: "Beyond any room",
   duplicates: "Named twice",
+  still: "Nothing moves",
   renamed: "Names taken",
   angles: "Angles",
   "not in the file": "Mapped, not there",
