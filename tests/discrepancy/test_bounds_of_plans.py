@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from tests.motion.by_mujoco import ByMuJoCo, Shapes
 from tests.motion.robots import sample_folder
-from tests.motion.test_plan import ByMuJoCo
-from tests.motion.test_touching import Shapes
 
 from exogauge.criteria.planning import Planning
 from exogauge.experiment.motion_choices import Choice

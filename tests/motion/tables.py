@@ -74,6 +74,20 @@ def nexus(points: Array, labels: Names, rate: float = 100.0, separator: str = ",
     return "\n".join(separator.join(row) for row in kept) + "\n"
 
 
+def plain(
+    points: Array, labels: Names, rate: float = 100.0, name: str = "{label}_{axis}", unit: float = 1.0,
+    clock: str = "time", separator: str = ",", gap: str = "", above: str = "", below: str = "",
+) -> str:  # fmt: skip
+    """name: of a column, of its label and axis. unit: of length [m]. clock: the first column, of times [s], of
+    milliseconds or of frames as it is called; none where it is empty. above, below: rows beside that of names."""
+    names = [name.format(label=label, axis=axis, small=axis.lower()) for label in labels for axis in "XYZ"]
+    lines = [*above.splitlines(), separator.join([clock, *names] if clock else names), *below.splitlines()]
+    for t, row in enumerate(points / unit):
+        first = str(t + 1) if "frame" in clock.lower() else f"{t / rate * (1000.0 if 'ms' in clock else 1.0):.6f}"
+        lines.append(separator.join([first, *_texts(row, gap)] if clock else _texts(row, gap)))
+    return "\n".join(lines) + "\n"
+
+
 SEGMENTS = (  # of MVN: name, parent, origin in its parent [m] in the T-pose: x ahead, y left, z up
     ("Pelvis", None, (0, 0, 0.95)), ("L5", "Pelvis", (0, 0, 0.1)), ("T8", "L5", (0, 0, 0.2)),
     ("Neck", "T8", (0, 0, 0.2)), ("Head", "Neck", (0, 0, 0.1)),

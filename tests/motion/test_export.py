@@ -14,6 +14,7 @@ import pytest
 import yaml
 from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.typesys import Stores, get_typestore
+from tests.motion.by_mujoco import spec_of
 
 from exogauge.cli import main
 from exogauge.motion.files import open_motion
@@ -58,10 +59,7 @@ def one(robot: MotionRobot, motion: Spline, judged: Judged, form: str) -> bytes:
 
 def test_mujoco_stands_where_the_plan_stands_and_moves_as_it_moves(robot, motion, judged) -> None:
     file = np.load(io.BytesIO(one(robot, motion, judged, "mujoco")))
-    as_it_is = '<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco>'
-    spec = mujoco.MjSpec.from_string(robot_urdf().replace("</robot>", as_it_is + "</robot>"))
-    spec.worldbody.first_body().add_freejoint()
-    model = spec.compile()
+    model = spec_of(robot_urdf()).compile()
     data = mujoco.MjData(model)
     order = [model.joint(name).qposadr[0] for name in file["joint_names"]]
     to = np.concatenate([np.arange(7), order])

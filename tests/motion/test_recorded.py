@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.motion.by_mujoco import ByMuJoCo, Shapes
 from tests.motion.robots import sample_folder
-from tests.motion.test_plan import SOON, ByMuJoCo
-from tests.motion.test_touching import Shapes
+from tests.motion.test_plan import SOON
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion

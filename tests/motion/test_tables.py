@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.motion.tables import SEGMENTS, motive, mvnx, nexus, qualisys
+from tests.motion.tables import SEGMENTS, motive, mvnx, nexus, plain, qualisys
 from tests.motion.test_reading import LABELS, body
 from tests.motion.test_recorded import captured  # noqa: F401 a fixture
 
@@ -25,7 +25,16 @@ WRITERS = {
     "f.csv": nexus,
     "g.txt": lambda points, labels: nexus(points, labels, separator="\t", beside=False),
     "h.csv": lambda points, labels: nexus(points, labels, separator=";"),
-}
+    "i.csv": plain,
+    "j.csv": lambda points, labels: plain(points, labels, name="{label}.{small} [mm]", unit=1e-3, clock="Time (ms)"),
+    "k.csv": lambda points, labels: plain(points, labels, name='"Ann:{label}:{axis}"', clock='"t"', gap="NaN"),
+    "l.tsv": lambda points, labels: plain(points, labels, name="{axis}_{label}", clock="Frame#", separator="\t",
+                                          above="# rate: 100 Hz\n# unit: m"),
+    "m.csv": lambda points, labels: plain(points, labels, name="{label} ({axis})", clock="timestamp", separator=";",
+                                          unit=1e-3, below=";".join(["s", *["mm"] * 3 * len(labels)]), gap="NA"),
+    "n.txt": lambda points, labels: plain(points, labels, name="{label}_{axis}_cm", unit=0.01, clock="# time"),
+    "o.csv": lambda points, labels: plain(points, labels, clock="", above="rate,100\nunits,mm", unit=1e-3),
+}  # fmt: skip
 
 
 def _file(folder: Path, name: str, text: str) -> Path:
@@ -85,7 +94,7 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
     tsv, opti, vicon = qualisys(there, LABELS), motive(there, LABELS), nexus(there, LABELS)
     cut = {name: text[: text.rindex("\n", 0, len(text) - 30)] for name, text in (("tsv", tsv), ("opti", opti))}
     names = "\t".join(LABELS)
-    lines = vicon.split("\n")
+    flat, lines = plain(there, LABELS), vicon.split("\n")
     at = next(k for k, line in enumerate(lines) if line.startswith("Trajectories"))
     second = lines[at + 6].split(",")
     people = tuple(f"{who}_{label}" for who in ("Ann", "Ben") for label in LABELS)
@@ -126,6 +135,34 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
                     ("no_rate", 4, "FREQUENCY", "0")),
         "all gaps": ("a.csv", nexus(there * np.nan, LABELS, beside=False), ("all_gaps", None, None, None)),
         "empty": ("a.csv", "", ("empty_file", None, None, None)),
+        "an axis lost": ("a.csv", flat.replace("RASI_Y,", "RASI_height,", 1),
+                         ("axis_missing", 1, "RASI_X", "RASI_X, RASI_Z")),
+        "two axes lost": ("a.csv", flat.replace("C7_Y,C7_Z,", "a,b,", 1), ("axis_missing", 1, "C7_X", "C7_X")),
+        "a label twice": ("a.csv", flat.replace("RASI_X,RASI_Y,RASI_Z", "LASI_X,LASI_Y,LASI_Z", 1),
+                          ("label_twice", 1, "LASI_X", "LASI_X")),
+        "no time": ("a.csv", plain(there, LABELS, clock=""), ("no_rate", 1, "time", "0")),
+        "frames without a rate": ("a.csv", plain(there, LABELS, clock="frame"), ("no_rate", 1, "frame", "0")),
+        "a rate of nothing": ("a.csv", plain(there, LABELS, clock="frame", above="# rate: 0"),
+                              ("no_rate", 1, "rate", "0")),
+        "text in a plain table": ("a.csv", flat.replace(f"{1.7:.6f}", "seen", 1),
+                                  ("not_a_number", 2, "LFHD_Z", "seen")),
+        "text in its time": ("a.csv", flat.replace(f"{0.02:.6f}", "10:11:12", 1),
+                             ("not_a_number", 4, "time", "10:11:12")),
+        "half a point of it": ("a.csv", flat.replace(f"{1.7:.6f}", "", 1), ("half_a_point", 2, "LFHD_Z", None)),
+        "all gaps of it": ("a.csv", plain(there * np.nan, LABELS), ("all_gaps", None, None, None)),
+        "a row cut": ("a.csv", flat[: flat.rindex(",")], ("row_length", 13, None, None)),
+        "no rows": ("a.csv", flat.splitlines()[0] + "\n", ("one_frame", None, None, "0")),
+        "one row": ("a.csv", plain(there[:1], LABELS), ("one_frame", None, None, "1")),
+        "milliseconds as seconds": ("a.csv", plain(there, LABELS, clock="time_ms").replace("time_ms", "time", 1),
+                                    ("slow_clock", None, "time", None)),
+        "a row of it lost": ("a.csv", plain(there, LABELS, clock="Frame", above="# rate: 100").replace("\n6,", "\n7,"),
+                             ("frame_lost", 8, "Frame", "7")),
+        "two units of it": ("a.csv", plain(there, LABELS, name="{label}_{axis} [m]").replace("[m]", "[mm]", 1),
+                            ("no_unit", 1, "unit", "m, mm")),
+        "degrees": ("a.csv", plain(there, LABELS, below=",".join(["s", *["deg"] * 24])), ("no_unit", 2, "unit", "deg")),
+        "mm as m in it": ("a.csv", plain(there, LABELS, name="{label}_{axis} [m]", unit=1e-3),
+                          ("no_body", None, "unit", "read: 1 m")),
+        "two people in it": ("a.csv", plain(two, people), ("two_people", None, "subject", None)),
         "another table": ("a.csv", "t,q.hip\n0,0\n0.1,0\n", ("unknown_format", 1, None, "t,q.hip")),
     }  # fmt: skip
 
@@ -141,6 +178,33 @@ def test_a_table_that_is_wrong_is_refused_at_its_row(tmp_path: Path, what: str) 
 def test_a_table_of_a_robot_is_refused_with_what_takes_it(tmp_path: Path) -> None:
     assert "motion check" in str(_refused(_file(tmp_path, "a.csv", "t,q.hip\n0,0\n0.1,0\n")).advice)
     assert "Qualisys" in str(_refused(_file(tmp_path, "a.csv", "time,x\n0,0\n0.1,0\n")).advice)
+
+
+def test_a_plain_table_may_hold_more_than_markers_in_any_order(tmp_path: Path) -> None:
+    """Columns of x, y, z apart from each other; turns, speeds and events beside them are told, and are no markers."""
+    there = body(9)
+    columns = {"frame": np.arange(9), "event": np.zeros(9), "LFHD_vx": np.ones(9)}
+    columns |= {f"Cart.rot.{axis}": np.full(9, 0.5) for axis in "xyzw"}
+    for axis in (2, 0, 1):
+        columns |= {f"{label}.{'xyz'[axis]}": there[:, k, axis] for k, label in enumerate(LABELS)}
+    columns["time"] = np.arange(9) / 50.0
+    rows = [",".join(f"{x:.9g}" for x in row) for row in np.stack(list(columns.values()), axis=1)]
+    motion = open_motion(_file(tmp_path, "a.csv", "\n".join([",".join(columns), *rows])))
+    assert motion.markers is not None
+    assert motion.markers.labels == LABELS
+    assert motion.markers.position == pytest.approx(there, abs=1e-6)
+    assert motion.rate == pytest.approx(50.0)
+    assert motion.told["left_out"] == "event, LFHD_vx, Cart.rot.x, Cart.rot.y, Cart.rot.z, Cart.rot.w"
+
+
+def test_the_unit_of_a_plain_table_may_be_stated(tmp_path: Path) -> None:
+    there = body(9)
+    path = _file(tmp_path, "a.csv", plain(there, LABELS, unit=1e-3))
+    for unit, said in (("mm", "stated: mm"), (None, "guessed: mm")):
+        motion = open_motion(path, unit=unit)
+        assert motion.told["unit"].startswith(said)
+        assert motion.markers is not None
+        assert motion.markers.position == pytest.approx(there, abs=1e-6)
 
 
 def _bow(frames: int = 61) -> np.ndarray:

@@ -7,12 +7,11 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
-import mujoco
 import numpy as np
-import pinocchio as pin
 import pytest
 import trimesh
 import yaml
+from tests.motion.by_mujoco import Shapes
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadRobot
@@ -31,43 +30,6 @@ from exogauge.synthetic.urdf import robot_urdf
 @pytest.fixture(scope="module")
 def pairs(robot: MotionRobot) -> Pairs:
     return Pairs(robot, USUAL.clearance_m)
-
-
-class Shapes:
-    """The URDF as MuJoCo reads it, on a floor."""
-
-    def __init__(self, robot: MotionRobot, urdf: str) -> None:
-        as_it_is = '<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco>'
-        spec = mujoco.MjSpec.from_string(urdf.replace("</robot>", as_it_is + "</robot>"))
-        spec.worldbody.first_body().add_freejoint()
-        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[5.0, 5.0, 0.1])
-        self.robot, self.model = robot, spec.compile()
-        self.data = mujoco.MjData(self.model)
-        bodies = [self.model.body(self.model.geom_bodyid[g]).name for g in range(self.model.ngeom)]
-        self.link = [FLOOR if body == "world" else body for body in bodies]
-
-    def stand(self, q: np.ndarray) -> None:
-        turn = pin.Quaternion(pin.rpy.rotate("z", q[3]) @ pin.rpy.rotate("x", q[4]) @ pin.rpy.rotate("y", q[5]))
-        self.data.qpos[:3], self.data.qpos[3:7] = q[:3], [turn.w, turn.x, turn.y, turn.z]
-        for k, name in enumerate(self.robot.joints):
-            self.data.qpos[self.model.joint(name).qposadr[0]] = q[6 + k]
-        mujoco.mj_kinematics(self.model, self.data)
-
-    def distance(self, one: str, other: str) -> float:
-        geoms = (self.link.index(one), self.link.index(other))
-        return mujoco.mj_geomDistance(self.model, self.data, *geoms, 10.0, None)
-
-    def nearer_than(self, most: float, q: np.ndarray) -> set[frozenset[str]]:
-        """Pairs of links that MuJoCo's own collision detection finds, parents and children aside."""
-        self.model.geom_margin[:] = most
-        found = set()
-        for posture in q:
-            self.stand(posture)
-            mujoco.mj_collision(self.model, self.data)
-            for contact in self.data.contact[: self.data.ncon]:
-                if contact.dist < most:
-                    found.add(frozenset(self.link[g] for g in contact.geom))
-        return found
 
 
 def anywhere(robot: MotionRobot, count: int, seed: int) -> np.ndarray:

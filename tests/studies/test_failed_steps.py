@@ -21,7 +21,7 @@ Rewrite = Callable[[str, str, str], Path]
 
 
 def failing(error: Exception) -> Callable[..., Any]:
-    def fail(*_: Any) -> Any:
+    def fail(*_: Any, **__: Any) -> Any:
         raise error
 
     return fail

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Comparing
-from exogauge.plausibility.axis_fit import AS_DESCRIBED
-from exogauge.plausibility.expectation import Expected, on_axes
+from exogauge.plausibility.axis_fit import Likelihood
+from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.pooling import together
 from exogauge.plausibility.summit import summit
 
@@ -79,9 +79,8 @@ def _believed(found: Delay, criteria: Comparing) -> bool:
 
 
 def _profiles(expected: Sequence[Expected], lags: Array, axes: Sequence[int]) -> list[_Profile]:
-    kept = [np.isin(each.seen.lags, lags) for each in expected]
-    efforts = [on_axes(each.robot, each.seen.late[own]) for each, own in zip(expected, kept, strict=True)]
-    return [_Profile(expected, efforts, lags, a) for a in axes]
+    kept = [np.flatnonzero(np.isin(each.seen.lags, lags)) for each in expected]
+    return [_Profile(expected, kept, lags, a) for a in axes]
 
 
 def of_another_clock(expected: Expected) -> Delay | None:
@@ -106,21 +105,21 @@ class _Profile:
     more gains by less already, since a shift of 20 ms is a small part of what an 8 Hz low-pass lets through.
     """
 
-    def __init__(self, expected: Sequence[Expected], efforts: Sequence[Array], lags: Array, axis: int) -> None:
+    def __init__(self, expected: Sequence[Expected], kept: Sequence[NDArray[np.intp]], lags: Array, axis: int) -> None:
+        """kept: places of the lags among those of each log."""
         self.axis = axis
-        telling = [
-            (each.fit(axis), late[:, :, axis]) for each, late in zip(expected, efforts, strict=True) if each.tells(axis)
-        ]
+        telling = [(each, own) for each, own in zip(expected, kept, strict=True) if each.tells(axis)]
         at_once = int(np.argmin(np.abs(lags)))
         as_good_as = expected[0].seen.criteria.as_good_as
         tried = [k for k in (at_once - 1, at_once, at_once + 1) if 0 <= k < len(lags)]
-        found = {
-            k: together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling], as_good_as)
-            for k in tried
-        }
+
+        def likelihood(k: int) -> Likelihood:
+            return together([each.late_likelihood(axis, int(own[k])) for each, own in telling], as_good_as)
+
+        found = {k: likelihood(k) for k in tried}
         if max(each.described for each in found.values()) > found[at_once].described:
             for k in set(range(len(lags))) - set(tried):
-                found[k] = together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling], as_good_as)
+                found[k] = likelihood(k)
         each = [found[int(np.clip(k, min(found), max(found)))] for k in range(len(lags))]
         self.gain = np.array([one.described for one in each]) - found[at_once].described
         self.misfit = np.array([one.misfit for one in each])

@@ -43,6 +43,8 @@ class Expected:
         self.effort = on_axes(robot, seen.effort)
         self._fits: dict[int, AxisFit] = {}
         self._known: dict[tuple[int, float, bool], Likelihood] = {}
+        self._late: dict[tuple[int, int], Likelihood] = {}
+        self._any_motion: Expected | None = None
 
     def fit(self, axis: int) -> AxisFit:
         if axis not in self._fits:
@@ -69,6 +71,13 @@ class Expected:
             self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], among)
         return self._known[key]
 
+    def late_likelihood(self, axis: int, lag: int) -> Likelihood:
+        """Of the efforts from so much later, by their place among the snapshot's lags, by factors near one."""
+        if (axis, lag) not in self._late:
+            effort = on_axes(self.robot, self.seen.late[lag])[:, axis]
+            self._late[axis, lag] = self.fit(axis).likelihood(effort, AS_DESCRIBED)
+        return self._late[axis, lag]
+
     def left(self, axis: int) -> tuple[float, float]:
         """Of its effort, whatever factor near one: the share that is left, and how much that is [N·m]."""
         share, moving = self.likelihood(axis, near=True).misfit, self.moving[:, axis]
@@ -81,12 +90,15 @@ class Expected:
 
     def in_any_motion(self) -> Expected:
         """With moments right after a turn too: there, where friction turns round, a delay shows."""
-        return self.at(in_motion(self._velocity, self.seen.criteria))
+        if self._any_motion is None:
+            self._any_motion = self.at(in_motion(self._velocity, self.seen.criteria))
+        return self._any_motion
 
     def at(self, moving: NDArray[np.bool_]) -> Expected:
         """The same, where these moments count: (N, A)."""
         other = copy(self)
-        other.moving, other._fits, other._known = moving, {}, {}
+        other.moving, other._fits, other._known, other._late = moving, {}, {}, {}
+        other._any_motion = None
         return other
 
     def with_other_bodies(self, axis: int, sign: float) -> Likelihood:
@@ -96,7 +108,8 @@ class Expected:
     def with_effort(self, seen: Snapshot) -> Expected:
         """The same motion with the efforts of `seen`."""
         other = copy(self)
-        other.seen, other.effort, other._known = seen, on_axes(self.robot, seen.effort), {}
+        other.seen, other.effort, other._known, other._late = seen, on_axes(self.robot, seen.effort), {}, {}
+        other._any_motion = None
         return other
 
 

@@ -1,5 +1,5 @@
 """Headers of the tables of Qualisys (Track Manager's manual, Motion data), OptiTrack (Motive's documentation, Data
-Export: CSV) and Vicon (Nexus, Export ASCII)."""
+Export: CSV) and Vicon (Nexus, Export ASCII), and plain ones: one row with a name for every column."""
 
 from __future__ import annotations
 
@@ -9,10 +9,25 @@ from dataclasses import replace
 from pathlib import Path
 
 from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number
-from exogauge.motion.files.table import Rows, Table, points_of
+from exogauge.motion.files.table import Rows, Table, Triple, from_x, points_of
 
 NAMELESS = re.compile(r"(\*\d*|unlabell?ed.*|unidentified.*|)", re.IGNORECASE)
 QUALISYS = re.compile(r"[A-Z][A-Z0-9_]+")
+COORDINATE = re.compile(  # LASI_X, LASI.x, Ann:LASI:X, LASI (X), LASI_X_mm, LASI.x [mm]; X_LASI, x.LASI (mm)
+    r"(?P<label>.*[^\W_])[\s_.:/|(\[-]+(?P<axis>[xyz])[)\]]?(?:[\s_/]*[\[(]?(?P<unit>mm|cm|m|in)[\])]?)?"
+    r"|(?P<first>[xyz])[\s_.:-]+(?P<of>.*?\w)(?:\s*[\[(](?P<said>mm|cm|m|in)[\])])?",
+    re.IGNORECASE,
+)
+CLOCK = re.compile(r"(?:t|times?|time_?stamp|seconds|secs?)(?:[\s_.]*[\[(]?(?P<unit>s|sec|seconds|ms|us|µs|ns)[\])]?)?",
+                   re.IGNORECASE)  # fmt: skip
+COUNT = re.compile(r"(?:frame|sample)s?(?:[\s_.]*(?:#|no\.?|nr\.?|number|index|id))?#?", re.IGNORECASE)
+SECOND = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+SAID = re.compile(  # above the row of names
+    r"[#%/\s]*(?P<key>(?:length[\s_]*)?units?|(?:(?:frame|sample|sampling|data|capture)[\s_]*)?(?:rate|frequency))"
+    r"(?:[\s_]*[\[(]hz[\])])?\s*[:=,;\t ]\s*(?P<value>[\w.]+)(?:\s*hz)?[\s,;]*",
+    re.IGNORECASE,
+)
+HIGH = 20  # rows among which the one of names is
 SECTIONS = ("Trajectories", "Devices", "Joints", "Model Outputs", "Segments")
 
 
@@ -26,8 +41,11 @@ def read_table(path: Path) -> Captured:
         table, rows = _motive(path, lines)
     elif titles:
         table, rows = _nexus(path, lines, titles)
+    elif (plain := _names_row(lines)) is not None:
+        table, rows = _plain(path, lines, *plain)
     else:
-        advice = "TSV of Qualisys, CSV of Motive or of Nexus, each with its header; or C3D, or TRC"
+        advice = ("TSV of Qualisys, CSV of Motive or of Nexus, each with its header; columns called t, LASI_X, LASI_Y, "
+                  "LASI_Z, …; or C3D, or TRC")  # fmt: skip
         if ",q." in lines[0]:
             advice = "Joint angles of a robot are judged and written by `exogauge motion check` and `export`"
         raise fault(path, "the table has no header that is known", "unknown_format", advice, row=1,
@@ -46,7 +64,7 @@ def _named(path: Path, table: Table) -> Table:
     if nameless := len(table.labels) - len(kept):
         beside.append(f"trajectories without a name: {nameless}")
     told = {**table.told, "left_out": ", ".join(beside)} if beside else table.told
-    return replace(table, labels=tuple(table.labels[k] for k in kept), first=tuple(table.first[k] for k in kept),
+    return replace(table, labels=tuple(table.labels[k] for k in kept), columns=tuple(table.columns[k] for k in kept),
                    told=told)  # fmt: skip
 
 
@@ -78,9 +96,9 @@ def _qualisys(path: Path, lines: list[str]) -> tuple[Table, Rows]:
     if begin == end and rows and len(rows[0][1].rstrip("\t").split("\t")) > 3 * len(names):
         before = {"frame": 0, "time": 1}
     rate_row, rate = said("FREQUENCY")
-    first = tuple(len(before) + 3 * k for k in range(len(names)))
+    columns = tuple(from_x(len(before) + 3 * k) for k in range(len(names)))
     frames_row, frames = said("NO_OF_FRAMES")
-    return Table("Qualisys TSV", tuple(name.strip() for name in names), first, len(before) + 3 * len(names), "\t",
+    return Table("Qualisys TSV", tuple(name.strip() for name in names), columns, len(before) + 3 * len(names), "\t",
                  METRES["mm"], number(path, rate, rate_row, "FREQUENCY") if rate not in ("", "EXT") else None,
                  (rate_row, "FREQUENCY"), before.get("time"), before.get("frame"),
                  (frames, frames_row, "NO_OF_FRAMES")), rows  # fmt: skip
@@ -108,7 +126,7 @@ def _motive(path: Path, lines: list[str]) -> tuple[Table, Rows]:
     rate = next((key for key in ("Export Frame Rate", "Capture Frame Rate") if meta.get(key.lower())), "")
     said = meta.get("total exported frames")
     time = next((k for k, axis in enumerate(axes) if axis.startswith("time (")), None)
-    return Table("Motive CSV", tuple(names[k] for k in first), tuple(first), wide, ",",
+    return Table("Motive CSV", tuple(names[k] for k in first), tuple(map(from_x, first)), wide, ",",
                  METRES.get(meta.get("length units", "").lower()),
                  number(path, meta[rate.lower()], 1, rate) if rate else None, (1, rate or "Capture Frame Rate"),
                  time, 0, (said, 1, "Total Exported Frames") if said else None,
@@ -136,9 +154,82 @@ def _nexus(path: Path, lines: list[str], titles: list[tuple[int, str]]) -> tuple
     rows = _filled(lines, begin + 5, separator)
     rate = lines[begin + 1].strip(f"{separator} ")
     other = [title for _, title in titles if title != "Trajectories"]
-    return Table("Nexus CSV", tuple(labels), tuple(first), wide, separator, METRES.get(next(iter(said), "")),
-                 number(path, rate, begin + 2, "rate"), (begin + 2, "rate"), None, 0, None,
-                 {"left_out": ", ".join(other)} if other else {}), rows  # fmt: skip
+    return Table("Nexus CSV", tuple(labels), tuple(map(from_x, first)), wide, separator,
+                 METRES.get(next(iter(said), "")), number(path, rate, begin + 2, "rate"), (begin + 2, "rate"),
+                 None, 0, None, {"left_out": ", ".join(other)} if other else {}), rows  # fmt: skip
+
+
+def _names_row(lines: list[str]) -> tuple[int, str, list[str]] | None:
+    """The row that names two coordinates or more, what separates its cells, and the cells."""
+    for k, line in enumerate(lines[:HIGH]):
+        for separator in max((",;\t"), key=line.count):
+            cells = [cell.strip() for cell in next(csv.reader([line.lstrip("#% ")], delimiter=separator), [])]
+            if sum(COORDINATE.fullmatch(cell) is not None for cell in cells) > 1:
+                return k, separator, cells
+    return None
+
+
+def _plain(path: Path, lines: list[str], at: int, separator: str, cells: list[str]) -> tuple[Table, Rows]:
+    """One row of names, in any order; above it what is said of unit and rate; below it units, where there are any."""
+    while not cells[-1]:
+        cells.pop()
+    row = at + 1
+    said = {"unit" if "unit" in found["key"].lower() else "rate": (k + 1, found["key"], found["value"])
+            for k, line in enumerate(lines[:at]) if (found := SAID.fullmatch(line))}  # fmt: skip
+    time, frame = (next((k for k, cell in enumerate(cells) if kind.fullmatch(cell)), None) for kind in (CLOCK, COUNT))
+    markers = _markers(path, cells, row)
+    used = {time, frame, *(k for each in markers.values() for k in each)}
+    below = [cell.strip(' \t[]()"').lower() for cell in lines[row].split(separator)] if row < len(lines) else []
+    below = [] if any(map(_numeric, below)) else below + [""] * (len(cells) - len(below))
+    units_row = any(below)
+    units = {said["unit"][2].lower()} if "unit" in said else set[str]()
+    for k in (k for each in markers.values() for k in each):
+        found = COORDINATE.fullmatch(cells[k])
+        units |= {str(unit).lower() for unit in (found and (found["unit"] or found["said"]), units_row and below[k])
+                  if unit}  # fmt: skip
+    if len(units) > 1 or not units <= METRES.keys():
+        wrong = "the markers are in several units" if len(units) > 1 else "no such unit is known"
+        raise fault(path, wrong, "no_unit", "Export all in one: m, cm, mm or in", row=row + units_row, column="unit",
+                    value=", ".join(sorted(units)))  # fmt: skip
+    clock = CLOCK.fullmatch(cells[time]) if time is not None else None
+    lasts = clock["unit"] or (below[time] if units_row and time is not None else "") if clock else ""
+    rate_row, key, rate = said.get("rate", (row, "time" if frame is None else cells[frame], ""))
+    beside = ", ".join(cell for k, cell in enumerate(cells) if k not in used and cell)
+    rows = [(k, line.replace('"', "")) for k, line in _filled(lines, row + units_row)]
+    return Table("plain CSV", tuple(markers), tuple(markers.values()), len(cells), separator,
+                 METRES[units.pop()] if units else None, number(path, rate, rate_row, key) if rate else None,
+                 (rate_row, key), time, frame, told={"left_out": beside} if beside else {},
+                 second=SECOND.get(lasts.lower(), 1.0), head=tuple(cells)), rows  # fmt: skip
+
+
+def _markers(path: Path, cells: list[str], row: int) -> dict[str, Triple]:
+    """Columns of the x, y and z of every label; what has a w too is a turn."""
+    axes = dict[str, dict[str, int]]()
+    for k, cell in enumerate(cells):
+        if (found := COORDINATE.fullmatch(cell)) is None:
+            continue
+        own, axis = axes.setdefault(found["label"] or found["of"], {}), (found["axis"] or found["first"]).lower()
+        if axis in own:
+            raise fault(path, f"columns {own[axis] + 1} and {k + 1} have one name", "label_twice",
+                        "Name each marker once, or take one of them out", row=row, column=cell,
+                        value=cells[own[axis]])  # fmt: skip
+        own[axis] = k
+    turns = {found[1] for cell in cells if (found := re.fullmatch(r"(.*[^\W_])[\s_.:/|-]+w", cell, re.IGNORECASE))}
+    for label, own in axes.items():
+        if label not in turns and len(own) < 3:
+            lost = ", ".join(axis for axis in "xyz" if axis not in own)
+            raise fault(path, f"of {label} no {lost} is there", "axis_missing",
+                        "A marker is x, y and z: export all three, or take its columns out", row=row,
+                        column=cells[min(own.values())], value=", ".join(cells[k] for k in own.values()))  # fmt: skip
+    return {label: (own["x"], own["y"], own["z"]) for label, own in axes.items() if label not in turns}
+
+
+def _numeric(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _filled(lines: list[str], begin: int, ends: str | None = None) -> Rows:

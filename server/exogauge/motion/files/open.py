@@ -19,7 +19,7 @@ from exogauge.motion.sides import DOUBT, WHY, exchanged
 from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
-FORMATS = "C3D, TRC, TSV of Qualisys, CSV of Motive or Nexus, MVNX, MOT, STO, BVH or AMC"
+FORMATS = "C3D, TRC, TSV of Qualisys, CSV of Motive, of Nexus or plain, MVNX, MOT, STO, BVH or AMC"
 TABLES = (".csv", ".tsv", ".txt")
 ELSEWHERE = {
     ".mvn": "Xsens MVN exports MVNX and BVH of the same take",
@@ -37,8 +37,8 @@ def open_motion(
     path: Path, *, skeleton: Path | None = None, up: str | None = None, unit: str | None = None,
     angle: str | None = None, subject: str | None = None, names: Mapping[str, str] | None = None,
 ) -> HumanMotion:  # fmt: skip
-    """C3D, TRC, tables of Qualisys, Motive and Nexus, MVNX, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises
-    BadMotion.
+    """C3D, TRC, tables of Qualisys, Motive and Nexus, plain ones, MVNX, MOT/STO, BVH, or AMC with its ASF as
+    `skeleton`. Raises BadMotion.
 
     up: x, y, z or -x, -y, -z, unit: m, cm, mm, in or cmu, angle: deg or rad, where the file is silent or wrong.
     subject: the prefix of one of several people. names: own label or bone -> the name it is known by. `told`: format,

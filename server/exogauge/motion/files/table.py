@@ -15,21 +15,23 @@ from exogauge.motion.files.captured import Captured, fault, number
 
 Array = NDArray[np.float64]
 Rows = Sequence[tuple[int, str]]
-GAP = ("", "NULL")
+Triple = tuple[int, int, int]
+GAP = ("", "NULL", "NA")
 
 
 @final
 @dataclass(frozen=True)
 class Table:
-    """What a header says. first: the column of each marker's x, before its y and z. wide: columns that rows have.
+    """What a header says. columns: of each marker's x, y and z. wide: columns that rows have.
 
     rate: [Hz] if it is said; time, frame: columns, or None. stated: how many rows are announced, with the row and the
-    key that say so.
+    key that say so. second: what one of the clock's units lasts [s]. head: what columns are called, where each has a
+    name of its own.
     """
 
     format: str
     labels: tuple[str, ...]
-    first: tuple[int, ...]
+    columns: tuple[Triple, ...]
     wide: int
     separator: str
     unit: float | None
@@ -39,6 +41,21 @@ class Table:
     frame: int | None = None
     stated: tuple[str, int, str] | None = None
     told: Mapping[str, str] = field(default_factory=dict)
+    second: float = 1.0
+    head: tuple[str, ...] = ()
+
+    def name(self, column: int | None, else_: str) -> str:
+        """As the file has it."""
+        return self.head[column] if self.head and column is not None else else_
+
+    def axis(self, marker: int, axis: int) -> str:
+        """The column of a marker's x, y or z, as the file has it."""
+        return self.name(self.columns[marker][axis], f"{self.labels[marker]} {'xyz'[axis]}")
+
+
+def from_x(column: int) -> Triple:
+    """x, and y and z behind it."""
+    return column, column + 1, column + 2
 
 
 def points_of(path: Path, table: Table, rows: Rows) -> Captured:
@@ -48,19 +65,20 @@ def points_of(path: Path, table: Table, rows: Rows) -> Captured:
         raise fault(path, f"{len(rows)} frames are there and {said or 'none'} announced", "frame_count",
                     "The file was cut off, or joined of two: export it again", row=row, column=key,
                     value=said or None)  # fmt: skip
-    columns = [k + axis for k in table.first for axis in range(3)]
+    columns = [k for each in table.columns for k in each]
     position = np.empty((len(rows), len(columns)))
     clock = table.time if table.time is not None else table.frame
     time = np.arange(len(rows), dtype=np.float64)
     for t, (row, line) in enumerate(rows):
         cells = _cells(path, table, row, line, last=t + 1 == len(rows))
         if clock is not None:
-            time[t] = number(path, cells[clock], row, "Time" if clock == table.time else "Frame")
+            named = table.name(clock, "Time" if clock == table.time else "Frame")
+            time[t] = table.second * number(path, cells[clock], row, named)
         try:
             position[t] = [float(cells[k]) if cells[k] else np.nan for k in columns]
         except ValueError:
             for j, k in enumerate(columns):
-                named = f"{table.labels[j // 3]} {'xyz'[j % 3]}"
+                named = table.axis(*divmod(j, 3))
                 position[t, j] = np.nan if cells[k].strip() in GAP else number(path, cells[k], row, named)
     if table.frame is not None:
         _no_frame_lost(path, table, rows)
@@ -90,7 +108,7 @@ def _whole(path: Path, table: Table, rows: Rows, points: Array) -> None:
     odd = np.isinf(points) | (gap != gap.all(axis=2, keepdims=True))
     if odd.any():
         t, m, axis = (int(each) for each in np.argwhere(odd)[0])
-        value, column = points[t, m, axis], f"{table.labels[m]} {'xyz'[axis]}"
+        value, column = points[t, m, axis], table.axis(m, axis)
         if np.isinf(value):
             number(path, f"{value:g}", rows[t][0], column)
         raise fault(path, "of this point a part of the coordinates is there", "half_a_point",
@@ -98,12 +116,13 @@ def _whole(path: Path, table: Table, rows: Rows, points: Array) -> None:
 
 
 def _no_frame_lost(path: Path, table: Table, rows: Rows) -> None:
-    frames = [number(path, line.split(table.separator)[table.frame or 0], row, "Frame") for row, line in rows]
+    named = table.name(table.frame, "Frame")
+    frames = [number(path, line.split(table.separator)[table.frame or 0], row, named) for row, line in rows]
     steps = np.diff(frames)
     if len(steps) and (steps != steps[0]).any():
         k = int(np.argmax(steps != steps[0])) + 1
         raise fault(path, f"frame {frames[k - 1] + steps[0]:g} is missing", "frame_lost", "Cut where frames are lost",
-                    row=rows[k][0], column="Frame", value=f"{frames[k]:g}")  # fmt: skip
+                    row=rows[k][0], column=named, value=f"{frames[k]:g}")  # fmt: skip
 
 
 def _times(path: Path, table: Table, time: Array) -> Array:
@@ -112,8 +131,11 @@ def _times(path: Path, table: Table, time: Array) -> Array:
     rate = table.rate or 0.0
     if table.time is None:
         if not rate > 0.0:
-            raise fault(path, "neither a rate nor times are there", "no_rate", "Export it with its times", row=row,
-                        column=key, value=f"{rate:g}")  # fmt: skip
+            advice = "Export it with its times"
+            if table.head:
+                advice = "Add a column `time` in seconds, or a row above the names: # rate: 100"
+            raise fault(path, "neither a rate nor times are there", "no_rate", advice, row=row, column=key,
+                        value=f"{rate:g}")  # fmt: skip
         return time / rate
     runs = (len(time) - 1) / (time[-1] - time[0]) if len(time) > 1 and time[-1] > time[0] else 0.0
     if min(rate, runs) > 0.0 and abs(rate / runs - 1.0) > USUAL.same_rate:

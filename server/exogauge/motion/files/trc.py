@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number
-from exogauge.motion.files.table import Table, points_of
+from exogauge.motion.files.table import Table, from_x, points_of
 
 
 def read_trc(path: Path) -> Captured:
@@ -27,7 +27,7 @@ def read_trc(path: Path) -> Captured:
     begin = 4 if lines[4].split("\t")[0].strip().isdigit() else 5  # some leave the line of X1 Y1 Z1 out
     rows = [(k, line) for k, line in enumerate(lines[begin:], start=begin + 1) if line.strip()]
     rate = number(path, header["DataRate"], 3, "DataRate") if "DataRate" in header else None
-    first = tuple(2 + 3 * k for k in range(len(labels)))
-    table = Table("TRC", labels, first, 2 + 3 * len(labels), "\t", unit, rate, (3, "DataRate"), 1,
+    columns = tuple(from_x(2 + 3 * k) for k in range(len(labels)))
+    table = Table("TRC", labels, columns, 2 + 3 * len(labels), "\t", unit, rate, (3, "DataRate"), 1,
                   stated=(header.get("NumFrames", ""), 3, "NumFrames"))  # fmt: skip
     return points_of(path, table, rows)

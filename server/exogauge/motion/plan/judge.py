@@ -164,7 +164,9 @@ def _over_bounds(
     torques (T, J)."""
     angle, v, a, torque = moved
     limits, base = robot.limits, robot.base
-    slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
+    slopes = np.diff(a, axis=0, append=a[-1:]) * rate
+    if isinstance(motion, Written):
+        a, slopes = motion.acceleration(time), motion.jerk(time)
     a, jerk = a[:, base:], slopes[:, base:]
     outside = np.maximum(limits.lower - angle, angle - limits.upper)
     aside = np.where(angle > limits.upper, limits.upper, limits.lower)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.errors import BadMotion
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import AtRest, at_home
 from exogauge.motion.plan.judge import Judged, judge
@@ -24,7 +25,9 @@ def plan_within(
     with feet that share evenly. Of two plans that both break a bound, the one that breaks fewer.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
-    first, and standing at home is judged. stop: as of `plan`.
+    first, and standing at home is judged. stop: as of `plan`; a plan that is there already is not lost by it.
+
+    Raises BadMotion where the first plan does.
     """
     rest = at_home(robot, criteria)
     if rest.lacks:
@@ -45,7 +48,10 @@ def plan_within(
         stricter = replace(stricter, calm=criteria.calmer)
     best = planned, judged
     for wrench in criteria.evenly if uneven else (criteria.wrench,):
-        again = plan(robot, asked, replace(stricter, wrench=wrench), report, stop)
+        try:
+            again = plan(robot, asked, replace(stricter, wrench=wrench), report, stop)
+        except BadMotion:  # none is found, or it is stopped: that which there is stays
+            continue
         best = min(best, (again, _judged(robot, asked, again, criteria, rate)), key=_breaks)
         if _breaks(best) == (0, 1.0):
             break

@@ -47,6 +47,11 @@ class Written:
         whole = CubicSpline(self.time, self.q)
         return whole(time), whole(time, 1), whole(time, 2)
 
+    def acceleration(self, time: Array) -> Array:
+        """(T, n) at times (T,): second divided differences of three samples, the middle one at the time or before it;
+        see `jerk`. Where the jerk of a plan jumps, the cubic through its samples swung 2 % beyond its acceleration."""
+        return self._differences(2, time)
+
     def jerk(self, time: Array) -> Array:
         """(T, n) at times (T,): third divided differences of four samples, two on each side as far as there are. They
         are means, by a B-spline, of the jerk that was sampled, and so no larger; that of the cubic through the samples
@@ -54,8 +59,11 @@ class Written:
 
         de Boor, A Practical Guide to Splines, 1978, chapter IX (6).
         """
+        return self._differences(3, time)
+
+    def _differences(self, orders: int, time: Array) -> Array:
         rates, t = self.q, self.time
-        for order in (1, 2, 3):
+        for order in range(1, orders + 1):
             rates = order * np.diff(rates, axis=0) / (t[order:] - t[:-order])[:, None]
         before = np.searchsorted(t, time + SAME_S, side="right") - 2
         return np.asarray(rates[np.clip(before, 0, len(rates) - 1)])
