@@ -36,7 +36,7 @@ STEPS = {  # each loads what those before it do, and more; and what it does not
     "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
     "effects": (EFFECTS, {*SHELL, *PAGES, *SLOW, "numba", "pyarrow"}),
     "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
-    "doctor": (DOCTOR, {*SHELL, *PAGES, "scipy.signal", "scipy.stats", "numba", "h5py", "rosbags"}),
+    "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
     "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
 }
 SERVICE = {"mujoco", "numba", "scipy", "pinocchio", "pyarrow", *PAGES}

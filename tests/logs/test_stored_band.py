@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy import signal
+from scipy.signal import welch
 
 from exogauge.logs import stored_band
 from exogauge.logs.model import Log
-from exogauge.logs.spectrum import welch
 from exogauge.logs.stored_band import _steepest, stored_edges
 
 
@@ -25,7 +24,7 @@ def efforts(count: int, samples: int = 6000, rate_hz: float = 200.0) -> Log:
 
 def by_hand(values: np.ndarray, rate_hz: float) -> tuple[float, float]:
     """(hz, dB) of the steepest fall: medians of all bins within a factor of 1.15, over an octave and a half."""
-    frequency, power = signal.welch(np.diff(values), rate_hz, "blackmanharris", nperseg=1600, detrend="constant")
+    frequency, power = welch(np.diff(values), rate_hz, "blackmanharris", nperseg=1600, detrend="constant")
     level = 10.0 * np.log10(power[1:] / (2.0 * np.sin(np.pi * frequency[1:] / rate_hz)) ** 2)
 
     def around(hz: float) -> float:

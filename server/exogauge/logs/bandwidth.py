@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.special import gammainccinv, gammaincinv
 
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response, differentiate
 from exogauge.logs.filtering import LowPass
-from exogauge.logs.spectrum import welch
 
 Array = NDArray[np.float64]
 
@@ -57,10 +57,12 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     """
     velocity = differentiate(values, rate_hz)[3:-3]
     length = min(velocity.shape[0], round(SEGMENT_S * rate_hz))
-    frequency, power = welch(velocity.T, rate_hz, "blackmanharris", length)
+    frequency, power = scipy.signal.welch(
+        velocity, rate_hz, "blackmanharris", nperseg=length, detrend="constant", axis=0
+    )
     response = difference_response(frequency / rate_hz, 1) * rate_hz
     kept = (frequency > 0.0) & (frequency < LOGS.floor_band[1] * rate_hz)
-    frequency, spectrum = frequency[kept], power.T[kept] / response[kept, None] ** 2
+    frequency, spectrum = frequency[kept], power[kept] / response[kept, None] ** 2
     freedom = 2.0 * max(1, 2 * velocity.shape[0] // length - 1)  # neighbours overlap by half and are nearly independent
     in_floor = frequency > LOGS.floor_band[0] * rate_hz
     half = 0.5 * freedom  # chi square of so many degrees: its median, and what noise exceeds so seldom

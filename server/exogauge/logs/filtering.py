@@ -17,7 +17,6 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from exogauge.errors import BadLog, Fault
-from exogauge.logs.butterworth import poles_of, sections_of, steady_states
 
 Array = NDArray[np.float64]
 
@@ -220,13 +219,14 @@ def both_ways_by_scipy(sections: Array, steady: Array, values: Array) -> None:
 @lru_cache(maxsize=64)
 def _sections(low_pass: LowPass) -> tuple[Array, Array]:
     """Second-order sections of one pass, and the state in which they leave a constant 1 as it is."""
-    sections = sections_of(low_pass.order, low_pass.cutoff_hz, low_pass.rate_hz)
-    return sections, steady_states(sections)
+    sections = scipy.signal.butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="sos")
+    return sections, scipy.signal.sosfilt_zi(sections)
 
 
 @lru_cache(maxsize=64)
 def _settle_samples(low_pass: LowPass) -> int:
-    return _settled_after(poles_of(low_pass.order, low_pass.cutoff_hz, low_pass.rate_hz)[0])
+    _, poles, _ = scipy.signal.butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="zpk")
+    return _settled_after(poles)
 
 
 def _settled_after(poles: NDArray[np.complex128]) -> int:

@@ -12,19 +12,19 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import welch
 
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.bandwidth import varies
 from exogauge.logs.model import Log
 from exogauge.logs.noise import medians
-from exogauge.logs.spectrum import Window, welch
 
 Array = NDArray[np.float64]
 
 EFFORTS = ("i.", "tau.")  # channels that a motor's noise and a joint's reversals keep busy at every frequency
 POSITIONS = "q."
 HELD = 500_000  # values of channels whose spectra are made at once: their segments and powers take 20 MB
-NOISE_WINDOW: Window = "kaiser24"  # leaks less than 1e-18 of the motion's power, where encoders' noise has 1e-12 of it
+NOISE_WINDOW = ("kaiser", 24.0)  # leaks less than 1e-18 of the motion's power, where encoders' noise has 1e-12 of it
 
 
 @final
@@ -147,14 +147,14 @@ def _steepest(efforts: Array, rate_hz: float) -> tuple[Edge, ...]:
     return tuple(Edge(float(starts[k]), float(fall[k])) for k, fall in zip(steepest, falls, strict=True))
 
 
-def _spectra(values: Array, rate_hz: float, window: Window, length: int) -> tuple[Array, Array]:
+def _spectra(values: Array, rate_hz: float, window: str | tuple[str, float], length: int) -> tuple[Array, Array]:
     """(F,) frequencies [Hz] and (K, F) power density [dB] of channels (K, T), many at once."""
     together = max(1, HELD // values.shape[1])
     found = []
     for first in range(0, len(values), together):
         # differences, because a slow sweep would leak over all that is weak
         steps = np.diff(values[first : first + together])
-        frequency, power = welch(steps, rate_hz, window, length)
+        frequency, power = welch(steps, rate_hz, window, nperseg=length, detrend="constant")
         gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
         found.append(10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300)))
     return frequency, np.concatenate(found)

@@ -18,7 +18,6 @@ from exogauge.criteria.supporting import MOTIONS
 from exogauge.logs.derivatives import differentiate
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
-from exogauge.logs.spectrum import correlations
 from exogauge.support.result import JointEquality, Verdict
 from exogauge.support.settings import SupportSettings
 
@@ -114,7 +113,7 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     valley_s = 0.2  # a shift is the best within that [s]
     steps = int(np.floor(other.time[-1] * this.rate)) + 1
     a, b = this.dq, other.at(np.arange(steps) / this.rate)[1]
-    cross = correlations(b.T, a.T).sum(axis=0)
+    cross = sum(scipy.signal.fftconvolve(b[:, j], a[::-1, j]) for j in range(a.shape[1]))
     lags = np.arange(-len(a) + 1, len(b))
     start, stop = np.maximum(0, -lags), np.minimum(len(a), len(b) - lags)
     common = stop - start
@@ -123,7 +122,7 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     a_sum, b_sum = (np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))]) for x in (a, b))
     of_a, of_b = a_sum[stop] - a_sum[start], b_sum[stop + lags] - b_sum[start + lags]
     elsewhere = np.minimum(a_sum[-1] - of_a, b_sum[-1] - of_b)
-    apart = of_a + of_b - 2.0 * cross[fair] + elsewhere
+    apart = of_a + of_b - 2.0 * np.asarray(cross)[fair] + elsewhere
     valley = apart <= scipy.ndimage.minimum_filter1d(apart, 2 * round(valley_s * this.rate) + 1, mode="nearest")
     good = valley & (apart <= apart.min() + MOTIONS.alike * min(a_sum[-1], b_sum[-1]))  # of equals, the smallest shift
     return float(lags[good][np.argmin(np.abs(lags[good]))]) / this.rate
