@@ -213,3 +213,16 @@ def test_a_file_becomes_another_at_any_rate_with_a_sheet(robot, motion, folder: 
     assert json.loads((tmp_path / "lifted.mot.json").read_text())["broken"]
     assert main([*command, "--format", "gif"]) == 2
     assert "hrpsys" in capsys.readouterr().err
+
+
+def test_what_cannot_be_written_is_refused_before_a_motion_is_planned(folder: Path, tmp_path: Path, capsys) -> None:
+    """A folder that is not there ended in a traceback once the plan was found, and the plan was lost; a folder as file
+    wrote beside it. The capture is not even looked for."""
+    robot = ["--robot", str(folder / "robot.yaml")]
+    for step, given in (("retarget", ["no.bvh", *robot]), ("export", ["no.csv", *robot]), ("import", ["no.bvh"]),
+                        ("fit", ["no.trc"]), ("excite", robot)):  # fmt: skip
+        for out, said in ((tmp_path / "none" / "a.csv", "no such folder"), (tmp_path, "this is a folder")):
+            assert main(["motion", step, *given, "--out", str(out)]) == 2
+            assert said in capsys.readouterr().err
+    assert main(["motion", "retarget", "no.bvh", *robot, "--format", "gif"]) == 2
+    assert "no such format" in capsys.readouterr().err

@@ -229,6 +229,9 @@ def test_frames_that_are_all_the_same_are_told(tmp_path: Path) -> None:
     there = body(20)
     assert open_motion(trc(tmp_path / "a.trc", np.repeat(there[:1], 20, axis=0))).told["still"]
     assert "still" not in open_motion(trc(tmp_path / "b.trc", there)).told
+    for rows, still in (("0\t4\n0.1\t4\n", True), ("0\t4\n0.1\t5\n", False)):
+        (tmp_path / "a.mot").write_text(f"inDegrees=yes\nendheader\ntime\thip\n{rows}")
+        assert ("still" in open_motion(tmp_path / "a.mot").told) == still
 
 
 def test_a_unit_that_nothing_tells_is_asked_for_without_a_height(tmp_path: Path) -> None:

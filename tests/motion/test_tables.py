@@ -176,7 +176,10 @@ def test_a_table_that_is_wrong_is_refused_at_its_row(tmp_path: Path, what: str) 
 
 
 def test_a_table_of_a_robot_is_refused_with_what_takes_it(tmp_path: Path) -> None:
-    assert "motion check" in str(_refused(_file(tmp_path, "a.csv", "t,q.hip\n0,0\n0.1,0\n")).advice)
+    for joints in ("q.hip", "q.hip_X,q.hip_Y", "q.hip_X,q.hip_Y,q.hip_Z"):
+        row = ",0" * (1 + joints.count(","))
+        told = _refused(_file(tmp_path, "a.csv", f"t,{joints}\n0{row}\n0.1{row}\n"))
+        assert "motion check" in str(told.advice)
     assert "Qualisys" in str(_refused(_file(tmp_path, "a.csv", "time,x\n0,0\n0.1,0\n")).advice)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,6 +18,17 @@ def refuse_what_is_there(folder: Path, force: bool) -> None:
     if not force and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         advice = "Name a new folder, or add --force to write over what is in it."
         raise BadInput(Fault("it exists and is not an empty folder", "folder_not_empty", advice, str(folder)))
+
+
+def refuse_no_place(out: Path | None) -> None:
+    """Before what takes minutes: a file that is asked for can be written. Raises BadInput."""
+    if out is None:
+        return
+    if out.is_dir():
+        raise BadInput(Fault("this is a folder", "no_place", "Name a file in it with --out", str(out)))
+    if not out.parent.is_dir() or not os.access(out.parent, os.W_OK):
+        detail = "nothing may be written in its folder" if out.parent.is_dir() else "there is no such folder"
+        raise BadInput(Fault(detail, "no_place", "Make it, or name another one with --out", str(out)))
 
 
 def ending_of(error: ExogaugeError) -> int:

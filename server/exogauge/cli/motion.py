@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exogauge.cli.endings import Commands
+from exogauge.cli.endings import Commands, refuse_no_place
 from exogauge.cli.motion_service import add_server, list_plans, send_capture, send_excite, send_retarget
 
 if TYPE_CHECKING:
@@ -140,6 +140,7 @@ def fit_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.fit.fit import fit_human
     from exogauge.motion.fit.told import angle_table, summarise
 
+    refuse_no_place(args.out)
     motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args))
     static = None if args.static is None else open_motion(args.static, **_stated(args))
     fit = fit_human(motion, static)
@@ -238,6 +239,7 @@ def _unlike(written: Written) -> dict[str, str]:
 
 def excite_robot(args: argparse.Namespace) -> int:
     """1 where no motion keeps within every bound; then nothing is written."""
+    refuse_no_place(args.out)
     if args.server:
         return send_excite(args)
     from exogauge.motion.compute import EXCITED_HZ, excitation_document, write_document
@@ -278,6 +280,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
         print(f"part {now.part + 1} of {now.parts}, round {now.number}: step {now.step:.2g}, feet off by "
               f"{now.strays:.2g}, bounds exceeded by {now.excess:.2g}", file=sys.stderr)  # fmt: skip
 
+    _refuse_what_cannot_be_written(args)
     wanted = wanted_of(args)
     if args.server:
         return send_retarget(args, wanted.model_dump(exclude_unset=True))
@@ -337,6 +340,7 @@ def export_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
+    _refuse_what_cannot_be_written(args)
     rate = _rate(args)
     robot = load_motion_robot(args.robot, beside=True)
     motion = read_written(robot, args.file)
@@ -345,15 +349,22 @@ def export_motion(args: argparse.Namespace) -> int:
     return _written(args, robot, motion, judged, said)
 
 
-def _written(
-    args: argparse.Namespace, robot: MotionRobot, motion: Trajectory, judged: Judged, said: Mapping[str, object]
-) -> int:
+def _refuse_what_cannot_be_written(args: argparse.Namespace) -> None:
+    """Before a motion is planned. Raises BadInput."""
     from exogauge.errors import BadMotion, Fault
-    from exogauge.motion.plan.export import FORMATS, exported, sheet
+    from exogauge.motion.plan.export import FORMATS
 
+    refuse_no_place(args.out)
     if args.format not in FORMATS:
         raise BadMotion(Fault("there is no such format", "unknown_format", f"One of {', '.join(FORMATS)}", None, None,
                               "--format", args.format))  # fmt: skip
+
+
+def _written(
+    args: argparse.Namespace, robot: MotionRobot, motion: Trajectory, judged: Judged, said: Mapping[str, object]
+) -> int:
+    from exogauge.motion.plan.export import exported, sheet
+
     if args.out is not None and (args.despite or not judged.broken):
         files = {args.out.stem + end: data for end, data in exported(robot, motion, judged, args.format).items()}
         sources = {path.name: path.read_bytes() for path in (args.file, args.robot)}
@@ -375,6 +386,7 @@ def import_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.gaps import fill_gaps
     from exogauge.motion.summary import summarise, write_arrays
 
+    refuse_no_place(args.out)
     motion = open_motion(args.file, skeleton=args.skeleton, **_stated(args))
     if args.fill:
         motion = fill_gaps(motion)

@@ -16,6 +16,7 @@ from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
 
+STILL = "every frame is the same"
 METRES = {
     "m": 1.0,
     "mm": 1e-3,

@@ -41,7 +41,7 @@ def read_table(path: Path) -> Captured:
         table, rows = _motive(path, lines)
     elif titles:
         table, rows = _nexus(path, lines, titles)
-    elif (plain := _names_row(lines)) is not None:
+    elif ",q." not in lines[0] and (plain := _names_row(lines)) is not None:
         table, rows = _plain(path, lines, *plain)
     else:
         advice = ("TSV of Qualisys, CSV of Motive or of Nexus, each with its header; columns called t, LASI_X, LASI_Y, "

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import AXES, METRES, Captured, even_time, fault
+from exogauge.motion.files.captured import AXES, METRES, STILL, Captured, even_time, fault
 from exogauge.motion.human import HumanMotion, Markers
 from exogauge.motion.presets import carried_by, recognise, subjects
 from exogauge.motion.sides import DOUBT, WHY, exchanged
@@ -167,7 +167,7 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
         raise fault(path, "no marker was seen in any frame", "all_gaps", "Export the trial with its trajectories")
     told = {"format": captured.format, **captured.told, "preset": preset or "none knows these names"}
     if np.array_equal(points, np.broadcast_to(points[0], points.shape), equal_nan=True):
-        told["still"] = "every frame is the same"
+        told["still"] = STILL
     twice = sorted(name for name, times in Counter(names).items() if times > 1 and name in segment)
     if twice:
         raise fault(path, "two bones have the same name", "same_name", "Give each a name of its own", column="names",

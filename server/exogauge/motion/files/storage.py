@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import even_time, fault, lines_of, not_radians, number
+from exogauge.motion.files.captured import STILL, even_time, fault, lines_of, not_radians, number
 from exogauge.motion.human import Angles, HumanMotion
 
 LENGTHS = ("_tx", "_ty", "_tz")
@@ -60,5 +60,7 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
         detail, advice = "an angle of more than two turns, said to be in radians", "Say the unit of angles: deg"
         raise fault(path, detail, "degrees_for_radians", advice, row=rows[t][0], column=names[k + 1],
                     value=f"{value[t, k]:g}")  # fmt: skip
+    if (value == value[0]).all():
+        told["still"] = STILL
     told["angles"] = "degrees" if angle == "deg" else "radians"
     return HumanMotion(path.stem, time, angles=Angles(tuple(names[1:]), value, turning), told=told)
