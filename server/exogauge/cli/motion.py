@@ -336,7 +336,7 @@ def export_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
-    from exogauge.motion.plan.written import read_written
+    from exogauge.motion.plan.written import read_written, swing
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
@@ -346,6 +346,10 @@ def export_motion(args: argparse.Namespace) -> int:
     motion = read_written(robot, args.file)
     judged = judge(robot, motion, standing(robot), rate=rate, planned=motion)
     said = {"robot": robot.name, "motion": args.file.name} | _unlike(motion) | margins(robot, judged)
+    if (beyond := swing(robot, motion, judged.time, judged.q)) is not None:
+        said["between the rows"] = (f"jerk of {beyond[0]} up to {100 * beyond[1]:.4g} % of its bound: what is written "
+                                    "is a cubic through them; a motion planned at this rate (`retarget --rate`) "
+                                    "has none of it")  # fmt: skip
     return _written(args, robot, motion, judged, said)
 
 
