@@ -49,6 +49,14 @@ def test_two_joints_that_are_exchanged_in_one_log_are_named_there(
     assert all(name in found[0][1].channel + found[0][1].detail for name in pair)
 
 
+def test_of_many_logs_those_that_a_robot_is_identified_from_are_looked_at_first(robot: Robot, logs: Logs) -> None:  # noqa: F811
+    many = [logs[k % len(logs)] for k in range(12)]
+    many[3] = many[3] | {"i.j2": -many[3]["i.j2"]}
+    named = [as_log(k, each) for k, each in enumerate(many)]
+    found = list(examine_against_robot(robot, named, fitted={"log_3", "log_5"}))
+    assert {(log, each.channel, each.rule) for log, each in found} == {("log_3", "i.j2", "effort_reversed")}
+
+
 def test_another_recordings_efforts_are_told_of_their_log_alone(robot: Robot, logs: Logs) -> None:  # noqa: F811
     """Six slips of no use were found, and nothing was said; or all logs were blamed for what one of them leaves."""
     names = [name for name in logs[1] if name.startswith("i.")]

@@ -5,7 +5,7 @@ What needs no comparison: channels without life, efforts and speeds that the rob
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -59,15 +59,16 @@ SAID = {
 
 
 def examine_against_robot(
-    robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None
+    robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None, fitted: Collection[str] = ()
 ) -> Iterator[tuple[str, Finding]]:
-    """(name of the log, finding). Logs in which nothing is worn: what a wear bears, no description knows.
+    """(name of the log, finding). Logs in which nothing is worn: what a wear bears, no description knows. fitted: names
+    of those that a robot is identified from, which are looked at before others.
 
     A statement is made only where the one reading explains so much more than the other that no doubt of masses, k_T
     or friction makes up for it (`decisive`); of a joint that stands still, or bears nothing, none is.
     """
     criteria = criteria or Comparing()
-    chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, criteria.most_logs).astype(int))] if logs else []
+    chosen = _looked_at(logs, fitted, criteria.most_logs)
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
     axes = contact_axes(robot, seen)
     if axes is not None:  # before the IMU, which is told by the contacts
@@ -127,6 +128,16 @@ def examine_against_robot(
     for name, finding in by_channel:
         if (name, finding.channel) not in told:
             yield name, finding
+
+
+def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[Log]:
+    """As many, spread over the fitted ones and then over the others, in their order."""
+    chosen = list[int]()
+    for own in (True, False):
+        places = [k for k, log in enumerate(logs) if (log.name in fitted) is own]
+        spread = np.linspace(0, len(places) - 1, min(len(places), most - len(chosen))).astype(int)
+        chosen += [places[k] for k in spread]
+    return [logs[k] for k in sorted(chosen)]
 
 
 def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:

@@ -55,9 +55,9 @@ def examine_logs(
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
     if any(finding.rule in SLIPS for _, finding in errors):
         trusted = []
-    return [
-        _entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted, criteria.comparison), *alone)
-    ]
+    fitted = {each.log.name for each in recordings if not each.held_out}
+    against = examine_against_robot(robot, trusted, criteria.comparison, fitted)
+    return [_entry(log, finding) for log, finding in (*against, *alone)]
 
 
 @final
