@@ -803,6 +803,8 @@ def test_a_table_that_is_written_at_a_finer_rate_tells_by_how_much_its_cubic_swi
         assert not any(line.startswith("jerk") for line in said["broken"])
         assert ("between the rows" in said) == own
         if own:
+            told = json.loads((tmp_path / "finer.csv.json").read_text())
+            assert told["between_the_rows"] == said["between the rows"]
             share = float(re.search(r"jerk of neck_yaw up to ([\d.]+) %", said["between the rows"])[1])
             finer = np.loadtxt(tmp_path / "finer.csv", delimiter=",", skiprows=1, usecols=range(joints + 1))
             seen = np.abs(np.diff(finer[:, 1 + robot.joints.index("neck_yaw")], 3)).max() * 1e9
