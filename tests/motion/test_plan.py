@@ -782,6 +782,37 @@ def test_a_table_of_a_motion_within_its_acceleration_is_within_it(robot: MotionR
     assert wide.acceleration(time) == pytest.approx(2.0)
 
 
+def test_a_table_that_is_written_at_a_finer_rate_tells_by_how_much_its_cubic_swings(
+    robot: MotionRobot, folder: Path, tmp_path: Path, capsys
+) -> None:
+    """`export` found every bound kept, and `check` of what it wrote a jerk of 110 %."""
+    step, joints = 1.0 / USUAL.nodes_per_s, len(robot.joints)
+    jerk = np.tile(np.repeat([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0], 4), 4)  # there and back, at rest at both
+    control = np.cumsum(np.cumsum(np.cumsum(np.concatenate([np.zeros(3), jerk * step**3]))))
+    q = np.tile(robot.home, (len(control), 1))
+    q[:, at(robot, "neck_yaw")] += 0.97 * robot.jerk[robot.joints.index("neck_yaw")] * control
+    spline = Spline(q, step)
+    for rate, own in ((200, True), (1000, False)):
+        time = np.arange(0.0, spline.duration - 1e-9, 1.0 / rate)
+        angles = spline.at(time)[0][:, robot.base :]
+        file = table(tmp_path / f"{rate}.csv", dict(zip(["t", *(f"q.{name}" for name in robot.joints)],
+                                                        [time, *angles.T], strict=True)))  # fmt: skip
+        command = ["motion", "export", str(file), "--robot", str(folder / "robot.yaml"), "--json", "--despite"]
+        main([*command, "--rate", "1000", "--out", str(tmp_path / "finer.csv")])
+        said = json.loads(capsys.readouterr().out)
+        assert not any(line.startswith("jerk") for line in said["broken"])
+        assert ("between the rows" in said) == own
+        if own:
+            told = json.loads((tmp_path / "finer.csv.json").read_text())
+            assert told["between_the_rows"] == said["between the rows"]
+            share = float(re.search(r"jerk of neck_yaw up to ([\d.]+) %", said["between the rows"])[1])
+            finer = np.loadtxt(tmp_path / "finer.csv", delimiter=",", skiprows=1, usecols=range(joints + 1))
+            seen = np.abs(np.diff(finer[:, 1 + robot.joints.index("neck_yaw")], 3)).max() * 1e9
+            bound = robot.jerk[robot.joints.index("neck_yaw")]
+            assert share == pytest.approx(100.0 * seen / bound, abs=5.0)  # eight decimals
+            assert share > 102.0
+
+
 def test_between_up_and_down_a_foot_may_bear_and_may_move() -> None:
     time = np.arange(6) / 10.0
     stands = np.ones((6, 2), dtype=bool)

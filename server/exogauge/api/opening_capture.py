@@ -75,7 +75,7 @@ def export(folder: str, motion: str, name: str, form: str, rate_hz: float | None
     from exogauge.errors import BadMotion, Fault
     from exogauge.motion.plan.export import FORMATS, exported, sheet
     from exogauge.motion.plan.judge import judge
-    from exogauge.motion.plan.written import read_written
+    from exogauge.motion.plan.written import read_written, swing
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
@@ -89,6 +89,8 @@ def export(folder: str, motion: str, name: str, form: str, rate_hz: float | None
     judged = replace(judged, broken=tuple(dict.fromkeys((*broken, *judged.broken))))
     files = {name + end: data for end, data in exported(robot, written, judged, form).items()}
     told = sheet(robot, judged, form, files, {table.name: table.read_bytes()})
+    if (beyond := swing(robot, written, judged.time, judged.q)) is not None:
+        told["between_the_rows"] = beyond
     files[f"{name}.json"] = (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
     with zipfile.ZipFile(EXPORT, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, data in files.items():

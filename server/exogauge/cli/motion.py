@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from exogauge.motion.plan.written import Written
     from exogauge.robots.moving.robot import MotionRobot
 
+ROWS = "between the rows"
+
 
 def add_commands(commands: Commands) -> None:
     """`motion` and its steps."""
@@ -336,7 +338,7 @@ def export_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
-    from exogauge.motion.plan.written import read_written
+    from exogauge.motion.plan.written import read_written, swing
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.standing import standing
 
@@ -346,6 +348,8 @@ def export_motion(args: argparse.Namespace) -> int:
     motion = read_written(robot, args.file)
     judged = judge(robot, motion, standing(robot), rate=rate, planned=motion)
     said = {"robot": robot.name, "motion": args.file.name} | _unlike(motion) | margins(robot, judged)
+    if (beyond := swing(robot, motion, judged.time, judged.q)) is not None:
+        said[ROWS] = beyond
     return _written(args, robot, motion, judged, said)
 
 
@@ -369,6 +373,7 @@ def _written(
         files = {args.out.stem + end: data for end, data in exported(robot, motion, judged, args.format).items()}
         sources = {path.name: path.read_bytes() for path in (args.file, args.robot)}
         told = sheet(robot, judged, args.format, files, sources)
+        told |= {"between_the_rows": said[ROWS]} if ROWS in said else {}
         files[args.out.name + ".json"] = (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
         for name, data in files.items():
             (args.out.parent / name).write_bytes(data)

@@ -93,6 +93,20 @@ class Written:
         return np.zeros((len(time), 6 * self.stands.shape[1]))
 
 
+def swing(robot: MotionRobot, table: Written, time: Array, q: Array) -> str | None:
+    """The joint that swings farthest beyond its jerk, and by how much, where a table is written anew at times (T,) that
+    lie closer than its rows: q (T, n) of the cubic through them. None where none does, or they do not."""
+    if len(time) <= len(table.time):
+        return None
+    jerk = Written(time, q, (), np.ones((len(time), 0), dtype=bool)).jerk(time)
+    share = np.abs(jerk[:, robot.base :]).max(axis=0) / robot.jerk
+    worst = int(share.argmax())
+    if share[worst] <= 1.0 + USUAL.beyond:
+        return None
+    return (f"jerk of {robot.joints[worst]} up to {100.0 * share[worst]:.4g} % of its bound: what is written is a "
+            "cubic through them; a motion planned at this rate (`retarget --rate`) has none of it")  # fmt: skip
+
+
 def read_written(robot: MotionRobot, path: Path) -> Written:
     """Columns t [s] and q.<joint> [rad or m]; the base is where the feet that stand put it: all, but those whose column
     stands.<link> says 0. Raises BadMotion, BadLog."""
