@@ -82,13 +82,12 @@ class Drift:
     ) -> dict[str, NDArray[np.float32]]:
         """Drift -> (n, D, X) [N·m] that each of the common inputs adds to the torque per standard deviation; X: those
         of the motors that move these joints. What several drifts have in common counts as the first one's."""
-        C, R = model.robot.axes_from_joints[:, joints], self.beta.shape[2]
+        C = model.robot.axes_from_joints[:, joints]
         moving = np.flatnonzero(C.any(axis=1))
         columns = drift_columns(model.equations, model.identified.xi, prepared, samples)
         given = np.stack([columns[name][:, moving] for name in self.names])
         every = np.einsum("kna,ad,aks->ndas", given, C[moving], self.inputs(prepared.log)[moving], optimize=True)
         parts = np.split(every.astype(np.float32), len(self.names), axis=3)
-        assert all(part.shape[3] == R for part in parts)
         return {name: part.reshape(len(samples), len(joints), -1) for name, part in zip(self.names, parts, strict=True)}
 
 
@@ -199,42 +198,37 @@ class _Seen:
 
     @staticmethod
     def of(model: RobotModel, own: Balance) -> _Seen:
-        prepared, C = own.prepared, model.robot.axes_from_joints[:, own.joints]
-        kept, (A, D) = prepared.kept, C.shape
+        prepared, C, kept = own.prepared, model.robot.axes_from_joints[:, own.joints], own.prepared.kept
         used = own.steady[kept] & np.isfinite(own.torque[kept])
         used &= used.sum(axis=0) >= model.criteria.support.drift_samples
-        axes = np.flatnonzero(C[:, used.any(axis=0)].any(axis=1))
+        (A, D), K, n = C.shape, len(DRIFTS), len(kept)
         xi, per_unit = _of_effects(model, prepared, kept)
-        K = len(DRIFTS)
-        columns = np.zeros((len(kept), D, A * K + D))
-        for axis in axes:
-            columns[:, :, axis * K : axis * K + K] = per_unit[:, axis, None, :] * C[axis, :, None]
-        columns[:, np.arange(D), A * K + np.arange(D)] = 1.0
+        of_motors = (per_unit[:, None] * C.T[None, :, :, None]).reshape(n, D, A * K)
+        columns = np.concatenate([of_motors, np.broadcast_to(np.eye(D), (n, D, D))], axis=2)
         columns = np.where(used[:, :, None], columns, 0.0)
         live = np.flatnonzero(columns.any(axis=(0, 1)))
-        lived = columns[:, :, live]
-        y = np.where(used, own.torque[kept], 0.0)
-        H = np.einsum("ndp,ndq->pq", lived, lived, optimize=True)
-        size = 1.0 / np.sqrt(np.diag(H))
-        inverse = np.linalg.pinv(H * np.outer(size, size), rcond=1e-9, hermitian=True) * np.outer(size, size)
-        x = inverse @ np.einsum("ndp,nd->p", lived, y)
-        e = np.where(used, y - lived @ x, 0.0)
-        S = by_autocovariance((slice(0, len(kept)),), used, e, lived)
         zeros = of_this_log(model, prepared, kept, own.joints)[ZERO]
-        S = S + _outer(np.einsum("ndp,nds->ps", lived, zeros))
-        covariance, share = np.zeros((A * K, A * K)), np.full(A * K, np.nan)
-        motors = live < A * K
-        own_live = live[motors]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shares = x[motors] / xi.ravel()[own_live]
-            both = (inverse @ S @ inverse)[np.ix_(motors, motors)] / np.outer(
-                xi.ravel()[own_live], xi.ravel()[own_live]
-            )
-        tells = np.isfinite(shares) & (np.diag(both) > 0.0) & np.isfinite(np.diag(both))
-        share[own_live[tells]] = shares[tells]
-        covariance[np.ix_(own_live[tells], own_live[tells])] = both[np.ix_(tells, tells)]
-        blocks = covariance.reshape(A, K, A, K)[range(A), :, range(A)]
-        return _Seen(share.reshape(A, K), blocks)
+        x, spread = _fitted(columns[:, :, live], np.where(used, own.torque[kept], 0.0), used, zeros)
+        size = np.concatenate([xi.ravel(), np.zeros(D)])[live]
+        told = np.flatnonzero((size != 0.0) & (np.diag(spread) > 0.0))
+        motors, size = live[told], size[told]
+        share, covariance = np.full(A * K, np.nan), np.zeros((A * K, A * K))
+        share[motors] = x[told] / size
+        covariance[np.ix_(motors, motors)] = spread[np.ix_(told, told)] / np.outer(size, size)
+        return _Seen(share.reshape(A, K), covariance.reshape(A, K, A, K)[range(A), :, range(A)])
+
+
+def _fitted(columns: Array, y: Array, used: BoolArray, zeros: Array) -> tuple[Array, Array]:
+    """(P,) coefficients of columns (n, D, P) by least squares, and (P, P) their covariance by errors that last and by
+    what zeros (n, D, S) in one standard deviation each do."""
+    H = np.einsum("ndp,ndq->pq", columns, columns, optimize=True)
+    size = 1.0 / np.sqrt(np.diag(H))
+    inverse = np.linalg.pinv(H * np.outer(size, size), rcond=1e-9, hermitian=True) * np.outer(size, size)
+    x = inverse @ np.einsum("ndp,nd->p", columns, y)
+    e = np.where(used, y - columns @ x, 0.0)
+    by_zeros = np.einsum("ndp,nds->ps", columns, zeros)
+    S = by_autocovariance((slice(0, len(y)),), used, e, columns) + by_zeros @ by_zeros.T
+    return x, inverse @ S @ inverse
 
 
 def _of_effects(model: RobotModel, prepared: Prepared, samples: IntArray) -> tuple[Array, Array]:
@@ -248,7 +242,3 @@ def _of_effects(model: RobotModel, prepared: Prepared, samples: IntArray) -> tup
                 if name != "motor_gain" or equations.robot.joints[axis].actuation == "current":
                     xi[axis, k], columns[:, axis, k] = own[axis], effect.column(signals[axis])
     return xi, columns
-
-
-def _outer(g: Array) -> Array:
-    return np.asarray(g @ g.T)
