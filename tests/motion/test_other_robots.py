@@ -75,8 +75,8 @@ def bend(folder: Path) -> list[str]:
     ("made", "capture", "until"),
     [
         (g1, squat, 4.0),
-        (jvrc1, bend, 5.0),
-        (human, bend, 5.0),
+        pytest.param(jvrc1, bend, 5.0, marks=pytest.mark.thorough),
+        pytest.param(human, bend, 5.0, marks=pytest.mark.thorough),
         pytest.param(g1, bend, 5.0, marks=pytest.mark.thorough),
         pytest.param(jvrc1, squat, 4.0, marks=pytest.mark.thorough),
     ],

@@ -310,6 +310,7 @@ def test_legs_bear_a_plan_where_the_feet_share_evenly_too(leaning, tmp_path: Pat
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_plan_stays_where_the_one_that_is_sought_in_its_place_is_not_found(robot: MotionRobot, bent) -> None:
     """The second one keeps all of its bounds for between the nodes: no motion does, and the first was lost with it."""
     asked, _ = bent

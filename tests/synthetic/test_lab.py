@@ -372,5 +372,7 @@ def test_the_truth_tells_every_disturbance_with_its_numbers(tmp_path: Path) -> N
     assert robot["imu_tilt"] == pytest.approx(np.deg2rad(0.5) / np.sqrt(2.0), rel=0.01)
     assert robot["ft_gain"] == pytest.approx(0.012)
     assert device["via_points"] == 0.005
+    assert robot["viscous_drift"] == pytest.approx(2.0 * robot["coulomb_drift"], rel=0.05)  # of two digits
+    assert robot.pop("zeros_taken") == "session"
     assert all(value > 0.0 for value in (*robot.values(), *device.values()))
     assert "laboratory" in study["name"]
