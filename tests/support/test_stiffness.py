@@ -194,6 +194,16 @@ def test_noise_does_not_decide_a_band_that_is_slack_throughout(identified, suit,
     assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=0.2)
 
 
+@pytest.mark.parametrize("approach", ["A", "B", "prior"])
+def test_what_only_pushes_is_no_band_and_leaves_nothing_to_doubt(identified, approach):
+    """Nothing pulls anywhere: no source has a part, and the step ended in an error."""
+    found = identified(approach=approach, gain=-1.0, noise=0.1)
+    for estimate in found.bands:
+        assert not estimate.identifiable
+        assert not estimate.length_identifiable
+        assert estimate.note
+
+
 def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_and_no_length(identified, suit):
     loose = replace(suit, bands=(suit.bands[0], replace(suit.bands[1], natural_length=2.0)))
     found = identified(device=loose)

@@ -38,7 +38,8 @@ def contributions(
     null: WearLogs | None = None,
     joint_weight: Array | None = None,
 ) -> dict[str, Array]:
-    """Name of a source -> (P, P) of theta about the truth: H⁻¹ M H⁻¹, with H the curvature, M of
+    """Name of a source -> (P, P) of theta about the truth: H⁻¹ M H⁻¹, with H the curvature, M of what follows; where
+    nothing pulls anywhere `scatter` alone, which is none.
 
     scatter: S, what errors of this kind make of the score (they last), and what is believed of the springs;
     robot: G C Gᵀ, C: covariance of the robot's parameters and of what all logs share (`RobotModel.doubt`), or its parts
@@ -68,7 +69,8 @@ def contributions(
     found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
     size = 1.0 / np.sqrt(np.maximum(np.diag(fitted.hessian), 1e-300))
     inverse = np.linalg.pinv(fitted.hessian * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
-    return {name: np.asarray(inverse @ meat @ inverse) for name, meat in found.items() if meat.any()}
+    live = {name: meat for name, meat in found.items() if meat.any()} or {SCATTER: found[SCATTER]}
+    return {name: np.asarray(inverse @ meat @ inverse) for name, meat in live.items()}
 
 
 def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
