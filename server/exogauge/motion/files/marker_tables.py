@@ -27,7 +27,6 @@ SAID = re.compile(  # above the row of names
     r"(?:[\s_]*[\[(]hz[\])])?\s*[:=,;\t ]\s*(?P<value>[\w.]+)(?:\s*hz)?[\s,;]*",
     re.IGNORECASE,
 )
-HIGH = 20  # rows among which the one of names is
 SECTIONS = ("Trajectories", "Devices", "Joints", "Model Outputs", "Segments")
 
 
@@ -161,7 +160,8 @@ def _nexus(path: Path, lines: list[str], titles: list[tuple[int, str]]) -> tuple
 
 def _names_row(lines: list[str]) -> tuple[int, str, list[str]] | None:
     """The row that names two coordinates or more, what separates its cells, and the cells."""
-    for k, line in enumerate(lines[:HIGH]):
+    high = 20  # judgement: rows, that what is said above the names may take
+    for k, line in enumerate(lines[:high]):
         for separator in max((",;\t"), key=line.count):
             cells = [cell.strip() for cell in next(csv.reader([line.lstrip("#% ")], delimiter=separator), [])]
             if sum(COORDINATE.fullmatch(cell) is not None for cell in cells) > 1:
