@@ -13,7 +13,6 @@ from exogauge.criteria.identifying import DECLARED
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 @final

@@ -234,11 +234,11 @@ def _fitted(columns: Array, y: Array, used: BoolArray, zeros: Array) -> tuple[Ar
 def _of_effects(model: RobotModel, prepared: Prepared, samples: IntArray) -> tuple[Array, Array]:
     """(A, 3) coefficients of the effects that `DRIFTS` names, 0 where the model has none, and (n, A, 3) torque per unit
     of each; none per ampere where torque is logged."""
-    equations, signals = model.equations, prepared.low_passed.signals(samples)
-    xi, columns = np.zeros((len(signals), len(DRIFTS))), np.zeros((len(samples), len(signals), len(DRIFTS)))
-    for k, name in enumerate(DRIFTS.values()):
-        for effect, own in zip(equations.effects, model.identified.xi.T, strict=True):
-            for axis in range(len(signals)) if effect.name == name else ():
-                if name != "motor_gain" or equations.robot.joints[axis].actuation == "current":
-                    xi[axis, k], columns[:, axis, k] = own[axis], effect.column(signals[axis])
+    own, names = model.identified.xi, [effect.name for effect in model.equations.effects]
+    xi = np.stack(
+        [own[:, names.index(name)] if name in names else np.zeros(len(own)) for name in DRIFTS.values()], axis=1
+    )
+    columns = np.stack(list(drift_columns(model.equations, np.ones_like(own), prepared, samples).values()), axis=2)
+    driven = np.array([joint.actuation == "current" for joint in model.robot.joints])
+    columns[:, ~driven, list(DRIFTS).index("kt_drift")] = 0.0
     return xi, columns
