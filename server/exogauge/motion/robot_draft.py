@@ -18,6 +18,7 @@ from exogauge.criteria.motion_draft import USUAL
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.touching import Pairs
+from exogauge.robots.urdf import model_text
 from exogauge.studies.import_log.robot_draft import draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
@@ -64,7 +65,7 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
 
 
 def _arm(urdf: bytes, content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    model = pin.buildModelFromXML(urdf.decode())
+    model = pin.buildModelFromXML(model_text(urdf))
     home = _within(model, [joint["name"] for joint in content["joints"]])
     content["home"] = {name: round(value, 3) for name, value in home.items() if value}
     content["limits"] = {"acceleration": USUAL.arm_acceleration}
@@ -92,7 +93,7 @@ class _Look:
     """The URDF's robot with all joints at zero, on a base of its own."""
 
     def __init__(self, urdf: bytes, folder: Path, base_link: str, feet: list[str]) -> None:
-        self.model = pin.buildModelFromXML(urdf.decode(), pin.JointModelFreeFlyer())
+        self.model = pin.buildModelFromXML(model_text(urdf), pin.JointModelFreeFlyer())
         self.data = self.model.createData()
         self.zero = pin.neutral(self.model)
         pin.framesForwardKinematics(self.model, self.data, self.zero)
