@@ -19,7 +19,7 @@ from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.touching import Pairs
 from exogauge.robots.urdf import model_text
-from exogauge.studies.import_log.robot_draft import draft_robot
+from exogauge.studies.import_log.robot_draft import doubts, draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
 
@@ -37,13 +37,15 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
     folder: where meshes are looked for, and beside it. A robot without two feet is bolted down. Raises BadRobot.
     """
     content = yaml.safe_load(draft_robot(urdf, file, "torque"))
+    slips = [f"# ? urdf: {said}" for said in doubts(urdf, file)]
     feet = [sensor["frame"] for sensor in content.pop("ft_sensors", ()) if sensor["role"] == "contact"]
     if len(feet) != 2:
-        return _arm(urdf, content)
+        content, told = _arm(urdf, content)
+        return content, [*told, *slips]
     look = _Look(urdf, folder, content["base_link"], feet)
     look.refuse_lying(file)
     faces = "along" if look.ahead > 0.0 else "against"
-    told = [f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
+    told = [*slips, f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
     soles = [(foot, look.outline(foot)) for foot in look.feet]
     parts, hands = look.arms(told)
     names = [name for name in look.model.names[2:] if not look.beyond(name, hands)]

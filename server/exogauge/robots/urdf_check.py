@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
 from exogauge.remarks import About, Remark
+from exogauge.robots.tree import RigidTree
+from exogauge.stand_ins import stands_in
 
 MAX_BYTES = 20_000_000
 MAX_LINKS = 500
@@ -94,8 +96,18 @@ def impossible_density(urdf: bytes, file: str, criteria: Examining) -> tuple[Rem
     half = densities[order[int(np.searchsorted(share, 0.5))]]
     if criteria.lightest <= half <= criteria.densest:
         return ()
+    if math.isinf(half):
+        return (Remark(About.NO_EXTENT, beside=(file,), numbers=(sum(masses),)),)
     about = About.TOO_DENSE if half > criteria.densest else About.TOO_LIGHT
     return (Remark(about, beside=(file,), numbers=(sum(masses), half)),)
+
+
+def idle_joints(tree: RigidTree, file: str) -> tuple[Remark, ...]:
+    """Which joints move nothing that weighs. Raises BadRobot where all do: there is nothing to identify from."""
+    if tree.joints and len(tree.idle) == len(tree.joints):
+        raise BadRobot(Fault("nothing that its joints move has a mass", "weightless",
+                             "Give the links an <inertial>: the maker's, or an estimate", file))  # fmt: skip
+    return (Remark(About.MOVES_NOTHING, tree.idle, beside=(file,)),) if tree.idle else ()
 
 
 def numbers(text: str) -> list[float]:
@@ -112,14 +124,15 @@ def _parse(urdf: bytes, file: str) -> Element:
 
     if len(urdf) > MAX_BYTES:
         raise refuse(f"{len(urdf)} bytes, at most {MAX_BYTES} are accepted", "urdf_too_large", "Leave meshes out")
+    urdf = as_utf8(urdf)
+    if other := stands_in(urdf[:1000]):
+        raise refuse(f"is {other[0]}", "stands_in", other[1])
     try:
         robot = _read(urdf)
     except DefusedXmlException:
-        page = re.search(rb"<!doctype html|<html", urdf[:1000], re.I)
-        advice = "It is a web page: download the file itself" if page else "Remove it: a URDF needs none"
-        raise refuse("holds a DOCTYPE or an entity", "xml_doctype", advice) from None
+        raise refuse("holds a DOCTYPE or an entity", "xml_doctype", "Remove it: a URDF needs none") from None
     except (ParseError, ValueError, LookupError) as error:
-        raise refuse(f"is not XML: {error}", "not_xml", _why_not_xml(urdf, error)) from None
+        raise BadRobot(_not_xml(urdf, error, file)) from None
     if robot.tag != "robot":
         raise refuse(f"its root is <{robot.tag}>, not <robot>", "not_urdf", "Hand in a URDF")
     if robot.find("link") is None:
@@ -128,6 +141,14 @@ def _parse(urdf: bytes, file: str) -> Element:
     if left:
         raise refuse(f"holds <xacro:{min(left)}>, and what it stands for is not there", "xacro_left", _sentence(EXPAND))
     return robot
+
+
+def as_utf8(urdf: bytes) -> bytes:
+    """Of a file in UTF-16 the same in UTF-8; every other as it is."""
+    if not urdf.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return urdf
+    text = urdf.decode("utf-16", "replace")
+    return re.sub(r"(<\?xml[^>]*?)\s+encoding\s*=\s*(\"[^\"]*\"|'[^']*')", r"\1", text, count=1).encode()
 
 
 def _of_xacro(element: Element) -> str:
@@ -140,21 +161,20 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _why_not_xml(urdf: bytes, error: Exception) -> str:
-    if not urdf.strip():
-        return "It is empty"
-    if urdf.startswith(b"version https://git-lfs"):
-        return "It is a pointer of Git LFS: `git lfs pull` fetches the file"
-    if not urdf.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
-        return "Hand in the URDF itself, not an archive"
-    if getattr(error, "code", None) == LATE_DECLARATION:
-        return "Remove what stands before <?xml …?>, blank lines too"
+def _not_xml(urdf: bytes, error: Exception, file: str) -> Fault:
+    advice = "Mend that line: a tag that is not closed, & in place of &amp;, or -- in a comment"
     try:
         urdf.decode()
     except UnicodeDecodeError as bad:
         line = urdf.count(b"\n", 0, bad.start) + 1
-        return f'Line {line} is not UTF-8: save it so, or name its encoding: <?xml version="1.0" encoding="…"?>'
-    return "Mend that line: a tag that is not closed, & in place of &amp;, or -- in a comment"
+        advice = f'Line {line} is not UTF-8: save it so, or name its encoding: <?xml version="1.0" encoding="…"?>'
+    if getattr(error, "code", None) == LATE_DECLARATION:
+        advice = "Remove what stands before <?xml …?>, blank lines too"
+    elif not urdf.strip():
+        advice = "It is empty"
+    elif not urdf.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        advice = "Hand in the URDF itself, not an archive"
+    return Fault(f"is not XML: {error}", "not_xml", advice, file)
 
 
 def _read(urdf: bytes) -> Element:
@@ -221,8 +241,8 @@ def _number_faults(
         tag = element.tag if element is not None else ""
         commas = "Write a decimal point, and blanks between numbers" if "," in text else ""
         advice = f"If it is a xacro, {EXPAND}" if "$" in text else commas
-        yield Fault(f"{what.removesuffix(f': <{tag}>')}: <{tag}> {attribute} is not {need}", "not_a_number", advice, file,
-                    value=text[:80])  # fmt: skip
+        detail = f"{what.removesuffix(f': <{tag}>')}: <{tag}> {attribute} is not {need}"
+        yield Fault(detail, "not_a_number", advice, file, value=text[:80])
 
 
 def _inertial_faults(link: Element, file: str) -> Iterator[Fault]:
