@@ -19,7 +19,6 @@ from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf_check import INERTIA_NAMES, MOVING_TYPES, numbers, read_urdf
 
 Array = NDArray[np.float64]
-ENDLESS = 1e9  # rad, m: a limit for parsers, of a joint without ends
 
 
 def load_tree(
@@ -262,7 +261,8 @@ class _Description:
             _copy(joint.element, copy, "origin", "xyz", "rpy")
             if kind != "fixed":
                 _copy(joint.element, copy, "axis", "xyz")
-                low, high = (str(min(max(end, -ENDLESS), ENDLESS)) for end in ends[:2])
+                endless = 1e9  # rad, m: for a parser, of a joint without ends
+                low, high = (str(min(max(end, -endless), endless)) for end in ends[:2])
                 SubElement(copy, "limit", lower=low, upper=high, effort="1", velocity="1")
         return tostring(robot, encoding="unicode")
 

@@ -6,6 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, ParseError
 from xml.parsers import expat
 
@@ -17,8 +18,10 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
 from exogauge.remarks import About, Remark
-from exogauge.robots.tree import RigidTree
 from exogauge.stand_ins import stands_in
+
+if TYPE_CHECKING:
+    from exogauge.robots.tree import RigidTree
 
 MAX_BYTES = 20_000_000
 MAX_LINKS = 500

@@ -15,7 +15,6 @@ import yaml
 
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
-from exogauge.robots.urdf import load_whole
 from exogauge.robots.urdf_check import MOVING_TYPES, idle_joints, impossible_density, raised_inertias, read_urdf
 from exogauge.studies.words.remark_words import sentence
 
@@ -88,6 +87,8 @@ def draft_robot(urdf: bytes, file: str, actuation: str = "current") -> str:
 
 def doubts(urdf: bytes, file: str) -> list[str]:
     """What looks like a slip in the URDF itself: units, inertias that no body has, links without mass."""
+    from exogauge.robots.urdf import load_whole  # it computes, and the service that reads drafts does not
+
     tree = load_whole(urdf, file)
     remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, Examining())]
     try:
