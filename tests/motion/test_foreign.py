@@ -11,6 +11,7 @@ from tests.motion.test_reading import AMC, ASF, BVH, LABELS, OURS, body, c3d, na
 
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
+from exogauge.motion.fit.places import place_of
 from exogauge.motion.person import person_of
 
 
@@ -324,9 +325,24 @@ def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:
 
 IOR = ("L_HEAD", "R_HEAD", "CV7", "L_IAS", "R_IAS", "L_FLE", "L_FCC", "R_FCC")
 GAIT = ("Top.Head", "Sternum", "R.Acromium", "L.ASIS", "R.ASIS", "L.Knee.Lat", "L.Heel", "R.Heel")
+CORTEX = ("Front.Head", "Rear.Head", "R.Shoulder", "L.ASIS", "R.ASIS", "L.Knee", "L.Heel", "R.Heel")
+INFERRED = ("L_shoulder_study", "r_shoulder_study", "C7_study", "L.ASIS_study", "r.ASIS_study", "L_knee_study",
+            "L_calc_study", "r_calc_study")  # fmt: skip
 
 
-@pytest.mark.parametrize(("preset", "labels"), [("Visual3D and IOR", IOR), ("OpenSim's gait models", GAIT)])
+def test_what_opencap_infers_sits_where_its_markers_do() -> None:
+    for inferred, marker in (("r.ASIS_study", "r.ASIS"), ("L_mknee_study", "L_mknee"), ("RHJC_study", "R_HJC"),
+                             ("r_lelbow_study", "R_elbow_lat"), ("r_melbow_study", "R_elbow_med")):  # fmt: skip
+        assert place_of(inferred) == place_of(marker) is not None
+
+
+@pytest.mark.parametrize(
+    ("preset", "labels"),
+    [
+        ("Visual3D and IOR", IOR), ("OpenSim's gait models", GAIT), ("OpenSim's gait models", CORTEX),
+        ("OpenCap and OpenSim", INFERRED),
+    ],
+)  # fmt: skip
 def test_markers_of_more_sets_are_known(tmp_path: Path, preset: str, labels: tuple[str, ...]) -> None:
     """L_ and R_ of IOR's names were two people."""
     motion = open_motion(trc(tmp_path / "a.trc", body(), labels=labels))

@@ -95,7 +95,7 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
 def _goes_nowhere(
     path: Path, names: list[str], parent: list[int], offset: Array, channels: list[str], data: Array, most: float
 ) -> None:
-    """Raises BadMotion where the root goes farther than the body is long: no legs do that by turns of `most` degrees."""
+    """Raises BadMotion where the root goes farther than the body is long: no legs do so by turns of `most` degrees."""
     place = np.zeros_like(offset)
     for j in range(1, len(names)):
         place[j] = place[parent[j]] + offset[j]
