@@ -11,6 +11,7 @@ from tests.motion.test_reading import AMC, ASF, BVH, LABELS, OURS, body, c3d, na
 
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
+from exogauge.motion.fit.places import place_of
 from exogauge.motion.person import person_of
 
 
@@ -21,8 +22,8 @@ def refused(path: Path, skeleton: Path | None = None, up: str | None = None) -> 
     return found.value.faults[0].rule, found.value.faults[0].row
 
 
-def flexion(path: Path) -> np.ndarray:
-    trunk = person_of(open_motion(path)).trunk
+def flexion(path: Path, angle: str | None = None) -> np.ndarray:
+    trunk = person_of(open_motion(path, angle=angle)).trunk
     return np.degrees(np.arctan2(trunk[:, 0, 2], trunk[:, 2, 2]))
 
 
@@ -44,6 +45,59 @@ def test_a_channel_that_is_neither_place_nor_turn_is_refused(tmp_path: Path) -> 
     """A scale was read as an angle."""
     (tmp_path / "a.bvh").write_text(BVH.replace("CHANNELS 3 Yrotation", "CHANNELS 3 Yscale"))
     assert refused(tmp_path / "a.bvh") == ("bad_channel", 9)
+
+
+def test_a_bvh_may_count_to_the_number_of_its_last_frame(tmp_path: Path) -> None:
+    """As Rokoko writes: it was refused as joined of two, and every new export was the same. A frame fewer is cut."""
+    text = bvh(bow(30.0)).decode()
+    whole = len(bow(30.0))
+    (tmp_path / "a.bvh").write_text(text.replace(f"Frames: {whole}", f"Frames: {whole - 1}"))
+    assert flexion(tmp_path / "a.bvh") == pytest.approx(bow(30.0), abs=1e-4)
+    assert "one more than Frames says" in open_motion(tmp_path / "a.bvh").told["frames"]
+    assert "frames" not in open_motion(_written(tmp_path / "b.bvh", text)).told
+    for other in (whole - 2, whole + 1):
+        assert refused(_written(tmp_path / "c.bvh", text.replace(f"Frames: {whole}", f"Frames: {other}")))[0] == (
+            "frame_count"
+        )
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+def _in_radians(text: str, yaw: np.ndarray, ahead: np.ndarray) -> str:
+    """A BVH of `captures` whose angles become radians; yaw: (T,) [deg] of the hips; ahead: (T,) [cm] of their way."""
+    head, rows = text.split("Frame Time: ")
+    step, *frames = rows.strip().split("\n")
+    numbers = np.array([frame.split() for frame in frames], dtype=float)
+    numbers[:, 5], numbers[:, 2] = yaw, ahead
+    numbers[:, 3:] = np.radians(numbers[:, 3:])
+    return f"{head}Frame Time: {step}\n" + "\n".join(" ".join(f"{x:.6f}" for x in row) for row in numbers) + "\n"
+
+
+def test_a_bvh_in_radians_whose_angles_exceed_half_a_turn_asks(tmp_path: Path) -> None:
+    """Angles from 0 to a whole turn, and a way in which somebody turns round more than once, were taken for degrees."""
+    text, count = bvh(bow(30.0)).decode(), len(bow(30.0))
+    nowhere = np.zeros(count)
+    wrapped = np.mod(np.linspace(-20.0, 20.0, count), 360.0)
+    around, way = np.linspace(0.0, 600.0, count), np.linspace(0.0, 500.0, count)
+    for yaw, ahead in ((wrapped, nowhere), (around, way)):
+        path = _written(tmp_path / "a.bvh", _in_radians(text, yaw, ahead))
+        assert refused(path)[0] == "radians_for_degrees"
+        assert flexion(path, "rad") == pytest.approx(bow(30.0), abs=1e-2)
+    _written(tmp_path / "a.bvh", bvh(bow(12.0)).decode())  # in degrees, on the spot
+    assert flexion(tmp_path / "a.bvh") == pytest.approx(bow(12.0), abs=1e-4)
+
+
+def test_letters_with_accents_are_those_of_windows_where_they_are_no_utf_8(tmp_path: Path) -> None:
+    """They became one sign for all, which no --name could say."""
+    whole = trc(tmp_path / "whole.trc", body(), labels=("Schädel", *LABELS[1:])).read_text()
+    for name, encoding in (("a.trc", "cp1252"), ("b.trc", "utf-8"), ("c.trc", "utf-8-sig"), ("d.trc", "utf-16")):
+        (tmp_path / name).write_bytes(whole.encode(encoding))
+        motion = open_motion(tmp_path / name, names={"Schädel": "HeadTop"})
+        assert motion.markers is not None
+        assert motion.markers.labels[0] == "HeadTop"
 
 
 def both(pattern: str, limbs: tuple[str, ...], sides: tuple[str, str]) -> list[str]:
@@ -271,9 +325,24 @@ def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:
 
 IOR = ("L_HEAD", "R_HEAD", "CV7", "L_IAS", "R_IAS", "L_FLE", "L_FCC", "R_FCC")
 GAIT = ("Top.Head", "Sternum", "R.Acromium", "L.ASIS", "R.ASIS", "L.Knee.Lat", "L.Heel", "R.Heel")
+CORTEX = ("Front.Head", "Rear.Head", "R.Shoulder", "L.ASIS", "R.ASIS", "L.Knee", "L.Heel", "R.Heel")
+INFERRED = ("L_shoulder_study", "r_shoulder_study", "C7_study", "L.ASIS_study", "r.ASIS_study", "L_knee_study",
+            "L_calc_study", "r_calc_study")  # fmt: skip
 
 
-@pytest.mark.parametrize(("preset", "labels"), [("Visual3D and IOR", IOR), ("OpenSim's gait models", GAIT)])
+def test_what_opencap_infers_sits_where_its_markers_do() -> None:
+    for inferred, marker in (("r.ASIS_study", "r.ASIS"), ("L_mknee_study", "L_mknee"), ("RHJC_study", "R_HJC"),
+                             ("r_lelbow_study", "R_elbow_lat"), ("r_melbow_study", "R_elbow_med")):  # fmt: skip
+        assert place_of(inferred) == place_of(marker) is not None
+
+
+@pytest.mark.parametrize(
+    ("preset", "labels"),
+    [
+        ("Visual3D and IOR", IOR), ("OpenSim's gait models", GAIT), ("OpenSim's gait models", CORTEX),
+        ("OpenCap and OpenSim", INFERRED),
+    ],
+)  # fmt: skip
 def test_markers_of_more_sets_are_known(tmp_path: Path, preset: str, labels: tuple[str, ...]) -> None:
     """L_ and R_ of IOR's names were two people."""
     motion = open_motion(trc(tmp_path / "a.trc", body(), labels=labels))
@@ -304,6 +373,34 @@ def test_a_table_of_states_holds_coordinates_beside_speeds(tmp_path: Path) -> No
     assert motion.angles.names == ("pelvis_ty", "hip_flexion_r")
     assert motion.angles.value[7] == pytest.approx([0.9, np.radians(70.0)])
     assert "speed" in motion.told["left_out"]
+
+
+@pytest.mark.parametrize(
+    ("head", "column", "rule"),
+    [
+        ("Speeds", "hip_flexion_r", "no_coordinates"), ("Accelerations", "hip_flexion_r", "no_coordinates"),
+        ("PositionErrors", "hip_flexion_r", "no_coordinates"), ("Static Optimization", "soleus_r", "no_coordinates"),
+        ("NormalizedFiberLength", "soleus_r", "no_coordinates"), ("MomentArm_hip_flexion_r", "soleus_r",
+                                                                  "no_coordinates"),
+        ("Model Marker Errors from IK", "total_squared_error", "no_coordinates"),
+        ("Model Marker Locations from IK", "RASI_tx", "no_coordinates"),
+        ("Inverse Dynamics Generalized Forces", "hip_flexion_r_moment", "no_coordinates"),
+        ("trial 3", "hip_flexion_r_moment", "forces"), ("walk", "pelvis_Ox", "no_coordinates"),
+        ("DataType=Quaternion", "pelvis_imu", "no_coordinates"), ("DataType=Vec3", "RASI", "no_coordinates"),
+    ],
+)  # fmt: skip
+def test_a_table_of_opensim_that_holds_no_coordinates_is_refused(
+    tmp_path: Path, head: str, column: str, rule: str
+) -> None:
+    """Speeds, errors, muscles and places have the form of coordinates, some their names, and were taken for angles."""
+    rows = "".join(f"{k / 100}\t{9.0 * k}\n" for k in range(8))
+    if head.startswith("DataType"):
+        rows = "".join(f"{k / 100}\t1,0,0\n" for k in range(8))
+    text = f"{head}\nversion=1\nnRows=8\nnColumns=2\ninDegrees=yes\n\nendheader\ntime\t{column}\n{rows}"
+    assert refused(_written(tmp_path / "a.sto", text))[0] == rule
+    for title in ("Coordinates", "speed walk 2", "controls_07"):
+        fine = text.replace(head, title, 1).replace(f"\t{column}", "\thip_flexion_r").replace("1,0,0", "9")
+        assert open_motion(_written(tmp_path / "b.sto", fine)).angles is not None
 
 
 @pytest.mark.parametrize(

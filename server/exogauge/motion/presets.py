@@ -30,12 +30,12 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
         "{s}_foot": "{s}HEE {s}HEL {s}TOE {s}MT1 {s}MT5 {s}LATFOOT",
     },
     "OpenCap and OpenSim": {
-        "pelvis": "{s}.ASIS {s}.PSIS {s}_HJC {s}_HJC_REG",
+        "pelvis": "{s}.ASIS {s}.PSIS {s}_HJC {s}_HJC_REG {s}HJC",
         "thorax": "{s}_SHOULDER {s}_STERNUM",
-        "{s}_upper_arm": "{s}_HUMERUS {s}_ELBOW_LAT {s}_ELBOW_MED",
-        "{s}_forearm": "{s}_FOREARM {s}_WRIST_RADIUS {s}_WRIST_ULNA",
+        "{s}_upper_arm": "{s}_HUMERUS {s}_ELBOW_LAT {s}_ELBOW_MED {s}_LELBOW {s}_MELBOW",
+        "{s}_forearm": "{s}_FOREARM {s}_WRIST_RADIUS {s}_WRIST_ULNA {s}_LWRIST {s}_MWRIST",
         "{s}_thigh": "{s}_THIGH1 {s}_THIGH2 {s}_THIGH3 {s}_THIGH4 {s}_THIGH5 {s}_KNEE {s}_MKNEE",
-        "{s}_shank": "{s}_SHANK_ANTSUP {s}_SH2 {s}_SH3 {s}_SH4 {s}_ANKLE {s}_MANKLE",
+        "{s}_shank": "{s}_SHANK_ANTSUP {s}_SH1 {s}_SH2 {s}_SH3 {s}_SH4 {s}_ANKLE {s}_MANKLE",
         "{s}_foot": "{s}_CALC {s}_TOE {s}_5META",
     },
     "OptiTrack and Qualisys": {
@@ -60,11 +60,13 @@ _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
     },
     "OpenSim's gait models": {
         "pelvis": "{s}.ASIS {s}.PSIS",
-        "thorax": "{s}.ACROMIUM",
+        "thorax": "{s}.ACROMIUM {s}.SHOULDER",
         "{s}_upper_arm": "{s}.BICEP {s}.BICEPS {s}.ELBOW",
         "{s}_forearm": "{s}.FOREARM {s}.WRIST",
-        "{s}_thigh": "{s}.THIGH.UPPER {s}.THIGH.FRONT {s}.THIGH.REAR {s}.KNEE.LAT {s}.KNEE.MED",
-        "{s}_shank": "{s}.SHANK.UPPER {s}.SHANK.FRONT {s}.SHANK.REAR {s}.ANKLE.LAT {s}.ANKLE.MED",
+        "{s}_thigh": "{s}.THIGH.UPPER {s}.THIGH.FRONT {s}.THIGH.REAR {s}.KNEE.LAT {s}.KNEE.MED {s}.THIGH {s}.KNEE "
+                     "{s}.KNEE.MEDIAL",
+        "{s}_shank": "{s}.SHANK.UPPER {s}.SHANK.FRONT {s}.SHANK.REAR {s}.ANKLE.LAT {s}.ANKLE.MED {s}.SHANK {s}.ANKLE "
+                     "{s}.ANKLE.MEDIAL",
         "{s}_foot": "{s}.HEEL {s}.MIDFOOT.SUP {s}.MIDFOOT.LAT {s}.TOE.TIP {s}.TOE",
     },
     "Visual3D and IOR": {
@@ -115,7 +117,7 @@ _MIDDLE: dict[str, dict[str, str]] = {  # of a skeleton, the thorax where no arm
     "VRoid": {"pelvis": "C_HIPS", "thorax": "C_UPPERCHEST C_CHEST", "head": "C_HEAD"},
     "Kinect": {"pelvis": "SPINEBASE", "thorax": "SPINESHOULDER", "head": "HEAD"},
     "Rigify": {"pelvis": "SPINE HIPS", "thorax": "SPINE.003 CHEST", "head": "SPINE.006 HEAD"},
-    "OpenSim's gait models": {"pelvis": "V.SACRAL", "thorax": "STERNUM", "head": "TOP.HEAD"},
+    "OpenSim's gait models": {"pelvis": "V.SACRAL", "thorax": "STERNUM", "head": "TOP.HEAD FRONT.HEAD REAR.HEAD"},
     "Visual3D and IOR": {"thorax": "CV7 TV2 TV8 TV10 MAI SJN SXS SME", "head": "SGL"},
 }
 
@@ -133,11 +135,10 @@ PRESETS: Mapping[str, Mapping[str, Segment]] = {name: _preset(name) for name in 
 
 
 def recognise(labels: Iterable[str]) -> tuple[str | None, dict[str, Segment]]:
-    """The preset that knows most of the labels, letters' case aside, a space as an underscore, and the parts of those
-    that it knows."""
-    alike = {label: _alike(label) for label in labels}
+    """The preset that knows most of the labels, as `alike` has them, and the parts of those that it knows."""
+    same = {label: alike(label) for label in labels}
     known = {
-        name: {label: preset[other] for label, other in alike.items() if other in preset}
+        name: {label: preset[other] for label, other in same.items() if other in preset}
         for name, preset in PRESETS.items()
     }
     best = max(known, key=lambda name: len(known[name]))
@@ -151,7 +152,7 @@ def subjects(labels: Iterable[str]) -> dict[str, int]:
     for label in dict.fromkeys(labels):
         begins = [0, *(k + 1 for k, letter in enumerate(label) if letter in ":_ " and label[:k].upper() not in SIDES)]
         found.update(
-            (name, label[:k]) for k in begins for name, preset in PRESETS.items() if _alike(label[k:]) in preset
+            (name, label[:k]) for k in begins for name, preset in PRESETS.items() if alike(label[k:]) in preset
         )
     if not found:
         return {}
@@ -180,5 +181,6 @@ def _way(parent: Sequence[int], bone: int) -> list[int]:
     return way
 
 
-def _alike(label: str) -> str:
-    return label.upper().replace(" ", "_")
+def alike(label: str) -> str:
+    """Letters' case aside, a space as an underscore, without what OpenCap puts behind markers that it infers."""
+    return label.upper().replace(" ", "_").removesuffix("_STUDY")

@@ -68,7 +68,10 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     if step <= 0.0:
         raise fault(path, "a frame takes no time", "no_rate", "Frame Time is that of one frame, in seconds",
                     row=begin + 2, column="Frame Time", value=f"{step:g}")  # fmt: skip
-    if count != str(len(rows)) or not rows:
+    told = {} if angle is None else {"angles": f"stated: {angle}"}
+    if rows and count == str(len(rows) - 1):
+        told["frames"] = f"{len(rows)}, one more than Frames says: it is the last one's number, as Rokoko writes"
+    elif count != str(len(rows)) or not rows:
         raise fault(path, f"{len(rows)} frames are there and {count} announced", "frame_count",
                     "The file was cut off, or joined of two: export it again", row=begin + 1, value=count)  # fmt: skip
     wide = sum(len(each) for each in channels)
@@ -79,13 +82,28 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     turns = np.array([each.endswith("rotation") for named in channels for each in named], dtype=bool)
     most = float(np.abs(data[:, turns]).max(initial=0.0))
     if angle is None:
-        not_radians(path, most)
+        not_radians(path, most, 2.0 * USUAL.least_turn_deg)  # Euler angles are written from 0 to a whole turn too
+        if most < USUAL.largest_angle_rad:
+            _goes_nowhere(path, names, parent, np.stack(offset), channels[0], data, most)
     if angle == "rad":
         data[:, turns] = np.degrees(data[:, turns])
-    told = {} if angle is None else {"angles": f"stated: {angle}"}
     rest, moved = _places(names, np.stack(offset), channels, data, told)
     return Captured("BVH", np.arange(len(rows), dtype=np.float64) * step, None, None, told=told,
                     skeleton=_posed(names, np.array(parent, np.intp), rest, moved, end, channels, data))  # fmt: skip
+
+
+def _goes_nowhere(
+    path: Path, names: list[str], parent: list[int], offset: Array, channels: list[str], data: Array, most: float
+) -> None:
+    """Raises BadMotion where the root goes farther than the body is long: no legs do so by turns of `most` degrees."""
+    place = np.zeros_like(offset)
+    for j in range(1, len(names)):
+        place[j] = place[parent[j]] + offset[j]
+    columns = [k for k, each in enumerate(channels) if each.endswith("position")]
+    if columns and np.ptp(data[:, columns], axis=0).max() > np.ptp(place, axis=0).max():
+        detail = f"{names[0]} goes farther than the body is long, and no angle is larger than {most:.2g}: radians?"
+        raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
+                    value=f"{most:.3g}")  # fmt: skip
 
 
 def _places(

@@ -66,7 +66,10 @@ def lines_of(path: Path) -> list[str]:
         return data.decode("utf-16", errors="replace").splitlines()
     if b"\0" in data[:4096]:
         raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
-    text = data.decode("utf-8-sig", errors="replace")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:  # as programs on Windows write letters with accents
+        text = data.decode("cp1252", errors="replace")
     del data  # of ten million markers 350 MB
     return text.splitlines()
 
@@ -90,9 +93,10 @@ def number(path: Path, text: str, row: int | None, column: str) -> float:
     return value
 
 
-def not_radians(path: Path, most: float) -> None:
-    """Raises BadMotion where angles that are read as degrees are no larger than `most`: radians are not."""
-    if 0.0 < most < USUAL.least_turn_deg:
+def not_radians(path: Path, most: float, turns: float = USUAL.least_turn_deg) -> None:
+    """Raises BadMotion where angles that are read as degrees are no larger than `most`, and those in radians may be as
+    large as `turns`."""
+    if 0.0 < most < turns:
         detail = f"no angle is larger than {most:.2g}: these are radians, or nearly nothing moves"
         raise fault(path, detail, "radians_for_degrees", "Say the unit of angles: rad or deg", column="angle",
                     value=f"{most:.3g}")  # fmt: skip

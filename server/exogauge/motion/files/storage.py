@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,16 +13,31 @@ from exogauge.motion.human import Angles, HumanMotion
 
 LENGTHS = ("_tx", "_ty", "_tz")
 VALUE = "/value"
+OTHER = re.compile(  # what OpenSim calls its tables of anything but coordinates, in their first line
+    r"(actuator)?(speeds|accelerations|forces|powers)|(position|velocity)errors|stresstermweight"
+    r"|moment(arm)?_.*|\w*(fiber|tendon|pennation)\w*|length|musclepower|static optimization|inverse dynamics.*"
+    r"|model marker (errors|locations) from ik",
+    re.IGNORECASE,
+)
 
 
 def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
-    """Raises BadMotion. Radians or degrees, as is stated or the header says; a table of forces is no motion."""
+    """Raises BadMotion. Radians or degrees, as is stated or the header says; a table of speeds, errors, forces or
+    muscles is no motion."""
     lines = lines_of(path)
     end = next((k for k, line in enumerate(lines) if line.strip().lower() == "endheader"), None)
     if end is None or len(lines) < end + 3:
         raise fault(path, "no header ends here", "not_storage", "A MOT file has endheader, a line of names, then rows")
     pairs = (line.replace("=", " ").lower().split() for line in lines[:end])
     header = {pair[0]: pair[1] for pair in pairs if len(pair) == 2}
+    if OTHER.fullmatch(lines[0].strip()):
+        raise fault(path, "this table of OpenSim's holds no coordinates", "no_coordinates",
+                    "Give the one called Coordinates: the .mot of inverse kinematics, or …_q.sto", row=1,
+                    value=lines[0].strip())  # fmt: skip
+    if header.get("datatype", "double") != "double":
+        raise fault(path, "a cell holds several numbers, and no angle", "no_coordinates",
+                    "Of orientations give the .mot that inverse kinematics makes of them; of markers a TRC",
+                    column="DataType", value=header["datatype"])  # fmt: skip
     (head, words), *rows = [(k, line.split()) for k, line in enumerate(lines[end + 1 :], start=end + 2) if line.strip()]
     names = words
     stated = header.get("nrows", header.get("datarows", str(len(rows))))
@@ -39,9 +55,13 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
         kept = [0, *(k for k, name in enumerate(names) if name.endswith(VALUE))]
         told["left_out"] = ", ".join(name for k, name in enumerate(names) if k not in kept)
         names, data = [names[0], *(names[k].removesuffix(VALUE).split("/")[-1] for k in kept[1:])], data[:, kept]
-    if any("force" in name.lower() for name in names):
-        raise fault(path, "these are forces of the ground and no motion", "forces", "Give the markers or the angles",
+    if any("force" in name.lower() or name.endswith("_moment") for name in names):
+        raise fault(path, "these are forces or moments and no motion", "forces", "Give the markers or the angles",
                     row=head, column=names[1], value=names[1])  # fmt: skip
+    if turned := [name for name in names if name.endswith("_Ox")]:
+        raise fault(path, "these are bodies in the world and no coordinates", "no_coordinates",
+                    "Give the .mot of inverse kinematics, or …_Kinematics_q.sto", row=head, column=turned[0],
+                    value=turned[0])  # fmt: skip
     turning = np.array([not name.endswith(LENGTHS) for name in names[1:]])
     time, stated_angle = even_time(path, data[:, 0], rows[0][0] if rows else 1), angle
     angle = angle or {"yes": "deg", "no": "rad"}.get(header.get("indegrees", ""))

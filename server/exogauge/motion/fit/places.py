@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from exogauge.motion.fit.body import FOREARM, HIP, SHANK, THIGH, UPPER_ARM
+from exogauge.motion.presets import alike
 
 Place = tuple[float, float, float]
 
@@ -18,27 +19,27 @@ LANDMARKS: Mapping[str, Place] = {
     "SACR V.SACRAL": (-0.10, 0.0, 0.10),
     "{s}FWT": (0.09, 0.12, 0.08),
     "{s}BWT": (-0.10, 0.06, 0.10),
-    "{s}_HJC {s}_HJC_REG": HIP,
+    "{s}_HJC {s}_HJC_REG {s}HJC": HIP,
     "C7 BACKTOP SPINETOP CV7": (-0.06, 0.0, 0.43),
     "CLAV SJN": (0.06, 0.0, 0.36),
     "STRN SXS STERNUM": (0.10, 0.0, 0.21),
     "T10 TV10 TV8": (-0.10, 0.0, 0.19),
-    "{s}SHO {s}_SHOULDER {s}SHOULDERTOP {s}_SAE {s}SAE {s}.ACROMIUM": (-0.01, 0.17, 0.40),
+    "{s}SHO {s}_SHOULDER {s}SHOULDERTOP {s}_SAE {s}SAE {s}.ACROMIUM {s}.SHOULDER": (-0.01, 0.17, 0.40),
     "{s}_STERNUM": (0.06, 0.025, 0.36),
     "{s}FHD": (0.10, 0.07, 0.17),
     "{s}BHD": (-0.08, 0.07, 0.17),
     "ARIEL HEADTOP TOP.HEAD": (0.0, 0.0, 0.24),
-    "{s}ELB {s}_ELBOW_LAT {s}ELBOWOUT {s}_HLE {s}HLE {s}.ELBOW": (0.0, 0.04, -UPPER_ARM),
-    "{s}IEL {s}_ELBOW_MED {s}ELBOWIN {s}_HME {s}HME": (0.0, -0.04, -UPPER_ARM),
+    "{s}ELB {s}_ELBOW_LAT {s}_LELBOW {s}ELBOWOUT {s}_HLE {s}HLE {s}.ELBOW": (0.0, 0.04, -UPPER_ARM),
+    "{s}IEL {s}_ELBOW_MED {s}_MELBOW {s}ELBOWIN {s}_HME {s}HME": (0.0, -0.04, -UPPER_ARM),
     "{s}WRA {s}_WRIST_RADIUS {s}IWR {s}_RSP {s}RSP": (0.03, 0.0, -FOREARM),
     "{s}WRB {s}_WRIST_ULNA {s}OWR {s}_USP {s}USP": (-0.03, 0.0, -FOREARM),
     "{s}FIN": (0.0, 0.02, -0.085),
     "{s}IHAND": (0.04, 0.0, -0.08),
     "{s}OHAND": (-0.04, 0.0, -0.08),
-    "{s}KNE {s}_KNEE {s}KNEEOUT {s}_FLE {s}FLE {s}.KNEE.LAT": (0.0, 0.055, -THIGH),
-    "{s}KNI {s}_MKNEE {s}KNEEIN {s}_FME {s}FME {s}.KNEE.MED": (0.0, -0.055, -THIGH),
-    "{s}ANK {s}_ANKLE {s}ANKLEOUT {s}_FAL {s}FAL {s}.ANKLE.LAT": (-0.01, 0.04, -SHANK),
-    "{s}_MANKLE {s}ANKLEIN {s}_TAM {s}TAM {s}.ANKLE.MED": (0.0, -0.04, -SHANK),
+    "{s}KNE {s}_KNEE {s}KNEEOUT {s}_FLE {s}FLE {s}.KNEE.LAT {s}.KNEE": (0.0, 0.055, -THIGH),
+    "{s}KNI {s}_MKNEE {s}KNEEIN {s}_FME {s}FME {s}.KNEE.MED {s}.KNEE.MEDIAL": (0.0, -0.055, -THIGH),
+    "{s}ANK {s}_ANKLE {s}ANKLEOUT {s}_FAL {s}FAL {s}.ANKLE.LAT {s}.ANKLE": (-0.01, 0.04, -SHANK),
+    "{s}_MANKLE {s}ANKLEIN {s}_TAM {s}TAM {s}.ANKLE.MED {s}.ANKLE.MEDIAL": (0.0, -0.04, -SHANK),
     "{s}HEE {s}HEL {s}_CALC {s}HEEL {s}HEELBACK {s}_FCC {s}FCC {s}.HEEL": (-0.06, 0.0, -0.03),
     "{s}TOE {s}_TOE {s}_FM2 {s}FM2 {s}.TOE {s}.TOE.TIP": (0.14, 0.0, -0.035),
     "{s}MT5 {s}_5META {s}TOEOUT {s}FOREFOOTOUT {s}_FM5 {s}FM5": (0.10, 0.045, -0.05),
@@ -58,7 +59,7 @@ LOOSE: Mapping[str, Place] = {
 
 def place_of(label: str) -> tuple[Place, bool] | None:
     """Nominal place of a marker and whether it is a landmark; None where its name says no place."""
-    return _PLACES.get(label.upper())
+    return _PLACES.get(alike(label))
 
 
 def _sides(table: Mapping[str, Place], landmark: bool) -> dict[str, tuple[Place, bool]]:
