@@ -16,6 +16,7 @@ class About(StrEnum):
     TOO_DENSE = "too_dense"  # -; -; file; mass of all links [kg], density that half of it exceeds [kg/m³]
     TOO_LIGHT = "too_light"  # -; -; file; the same, density that half of it is below
     NO_EXTENT = "no_extent"  # -; -; file; mass of all links [kg]
+    LIMITS_IN_DEGREES = "limits_in_degrees"  # -; -; file; median end of joints that turn [rad]
     MOVES_NOTHING = "moves_nothing"  # joints; -; file
     # the identification
     FACTOR_OPEN = "factor_open"

@@ -19,6 +19,7 @@ from exogauge.robots.urdf_check import (
     check_urdf,
     idle_joints,
     impossible_density,
+    limits_in_degrees,
     raised_inertias,
     read_urdf,
 )
@@ -298,3 +299,30 @@ def test_what_the_check_lets_pass_pinocchio_reads(kind: str) -> None:
     model = pin.buildModelFromXML(model_text(ROUGH[kind]))
     assert [model.nq, model.nv] == [1, 1]
     assert model.lowerPositionLimit[0] < 0.0 < model.upperPositionLimit[0]
+
+
+def test_limits_in_degrees_are_told_and_turns_of_makers_are_not() -> None:
+    def told(*ends: float) -> list[About]:
+        links = [_link(f"l{k}") for k in range(len(ends) + 1)]
+        joints = [_joint(f"j{k}", f"l{k}", f"l{k + 1}", more=f'<limit lower="{-end}" upper="{end}"/>')
+                  for k, end in enumerate(ends)]  # fmt: skip
+        return [each.about for each in limits_in_degrees(_robot(*links, *joints), "a.urdf", Examining())]
+
+    assert told(170.0, 45.0, 0.0) == [About.LIMITS_IN_DEGREES]
+    assert told(20.0, 25.0, 30.0) == [About.LIMITS_IN_DEGREES]
+    assert told(6.28, 10.0, 12.6) == told(1e16, 1e16) == told(2.9, 360.0, 1.8) == told() == []
+
+
+@pytest.mark.parametrize("path", sorted(ROBOTS.glob("*/*/*.urdf")), ids=lambda path: path.stem)
+def test_no_maker_is_told_of_degrees_but_after_conversion(path: Path) -> None:
+    try:
+        robot = read_urdf(path.read_bytes())
+    except BadRobot:
+        pytest.skip("refused for something else")
+    assert limits_in_degrees(path.read_bytes(), path.name, Examining()) == ()
+    turning = [each for each in robot.findall("joint[@type='revolute']/limit") if "upper" in each.attrib]
+    for limit in turning:
+        limit.attrib |= {key: str(np.degrees(float(limit.get(key, "0")))) for key in ("lower", "upper")}
+    plain = [each for each in turning if float(each.get("lower", "0")) < float(each.get("upper", "0")) < 1e3]
+    if plain:
+        assert limits_in_degrees(ElementTree.tostring(robot), path.name, Examining())

@@ -27,6 +27,12 @@ class Examining:
     lightest: float = criterion(
         1.2, "kg/m³", "the same of what is lighter than any robot: air", derived("handbook value at 20 °C and 1 bar")
     )
+    turned: float = criterion(
+        18.0,
+        "rad",
+        "median end of the joints that turn, beyond which it is in degrees. Of 127 stock URDFs the largest is 10",
+        judgement("docs/measured/stock-robots.md"),
+    )
     rate: float = criterion(0.02, "1", "by which a log's rate may differ from the declared one", judgement(RULES))
     rate_wrong: float = criterion(
         0.5, "1", "beyond that the declaration or the unit of time is wrong, not the clock", judgement(RULES)

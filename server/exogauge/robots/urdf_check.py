@@ -105,6 +105,17 @@ def impossible_density(urdf: bytes, file: str, criteria: Examining) -> tuple[Rem
     return (Remark(about, beside=(file,), numbers=(sum(masses), half)),)
 
 
+def limits_in_degrees(urdf: bytes, file: str, criteria: Examining) -> tuple[Remark, ...]:
+    """Whether joints turn further than cables bear: an end beyond 1000 rad stands for none."""
+    ends = list[float]()
+    for limit in _parse(urdf, file).findall("joint[@type='revolute']/limit"):
+        low, high = (next(iter(numbers(limit.get(key, ""))), 0.0) for key in ("lower", "upper"))
+        if low < high and max(-low, high) < 1e3:
+            ends.append(max(-low, high))
+    median = float(np.median(ends)) if ends else 0.0
+    return (Remark(About.LIMITS_IN_DEGREES, beside=(file,), numbers=(median,)),) if median > criteria.turned else ()
+
+
 def idle_joints(tree: RigidTree, file: str) -> tuple[Remark, ...]:
     """Which joints move nothing that weighs. Raises BadRobot where all do: there is nothing to identify from."""
     if tree.joints and len(tree.idle) == len(tree.joints):

@@ -15,7 +15,14 @@ import yaml
 
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
-from exogauge.robots.urdf_check import MOVING_TYPES, idle_joints, impossible_density, raised_inertias, read_urdf
+from exogauge.robots.urdf_check import (
+    MOVING_TYPES,
+    idle_joints,
+    impossible_density,
+    limits_in_degrees,
+    raised_inertias,
+    read_urdf,
+)
 from exogauge.studies.words.remark_words import sentence
 
 HEAD = "# Drafted from the URDF. Check what is marked ?; fill in what is marked !."
@@ -90,7 +97,9 @@ def doubts(urdf: bytes, file: str) -> list[str]:
     from exogauge.robots.urdf import load_whole  # it computes, and the service that reads drafts does not
 
     tree = load_whole(urdf, file)
-    remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, Examining())]
+    usual = Examining()
+    remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, usual)]
+    remarks += limits_in_degrees(urdf, file, usual)
     try:
         remarks += idle_joints(tree, file)
     except BadRobot as bad:

@@ -43,6 +43,10 @@ FORMS: Mapping[About, Form] = {
         "{beside}: its links weigh {0:.4g} kg, and half of that has an inertia of zero along some axis, which no body "
         "has: give those of the maker, or of a box of the link's size."
     ),
+    About.LIMITS_IN_DEGREES: Form(
+        "{beside}: half of the joints that turn do so to {0:.3g} rad and more. Limits of a URDF are in rad: were they "
+        "written in degrees? Units of logs and planned motions rest on them."
+    ),
     About.MOVES_NOTHING: Form(
         "{beside}: nothing that weighs hangs on {names}. Masses are found from those of the URDF on: give the links "
         "that these joints move an <inertial>, an estimate will do."
