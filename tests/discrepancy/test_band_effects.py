@@ -43,6 +43,7 @@ from exogauge.studies.results.taken_over import taken_over
 from exogauge.studies.words.finding_sentences import finding_sentence
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Background, Evidence, Nothing, on_joints
+from exogauge.support.inputs import Inputs
 from exogauge.support.repeatability import Null, Repeatability
 from exogauge.support.settings import WornLog
 from exogauge.support.stiffness import identify_bands
@@ -54,7 +55,6 @@ NOISE, MEMORY = 0.06, 0.7  # [N·m] of every joint, correlation of neighbouring 
 NONE_YET = Discrepancy(
     (), (), (), (), (), (Lineage("identified", None, None),), 0, (), (), seen=(Seen("tau.j1", 1.0, 30.0, 90.0),)
 )
-NO_INPUTS = {f"{of}_{by}": {} for of in ("own", "session") for by in ("a", "b", "paired")}  # nothing is declared
 
 
 def urdf() -> bytes:
@@ -236,13 +236,13 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             torque[kept] += coloured(len(t))[: len(kept)]
             moves = np.abs(np.gradient(posture, t, axis=0)) > 0.02
             geometry, still = routing.geometry(posture), np.zeros_like(moves)
-            known = dict.fromkeys((each.name for each in fields(Evidence)), None) | NO_INPUTS | {
+            known = dict.fromkeys((each.name for each in fields(Evidence)), None) | {
                 "worn": WornLog(Log(f"{motion}_{len(evidences)}", t, {}), motion, trunk.device), "reference": "plain",
                 "time": t, "q": posture, "posture": posture, "a": torque if approach == "A" else None, "b": torque,
                 "compared": moves, "steady": moves, "rest": still, "length": geometry.length,
                 "kept": kept, "sloped": kept[::5],
-                "slope_a": np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32),
-                "slope_b": np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32),
+                "inputs_a": Inputs(np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32)),
+                "inputs_b": Inputs(np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32)),
             }  # fmt: skip
             evidences.append(Evidence(**known))
             nothings.append(Nothing(motion, t[kept], posture[kept], coloured(len(t))[: len(kept)], None, moves[kept]))
@@ -359,13 +359,13 @@ def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trun
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
     seen = gathered(trunk, None, 1)
     sure = lay_ground(trunk.model, seen, trunk.device, [_linear(trunk)])
-    slope = np.zeros_like(seen.evidences[0].slope_a)
+    slope = np.zeros_like(seen.evidences[0].inputs_a.slope)
     slope[:, 1, 0] = 2.0
     doubtful = np.zeros_like(trunk.model.covariance)
     doubtful[0, 0] = 0.05**2
     unsure = lay_ground(
         replace(trunk.model, covariance=doubtful),
-        replace(seen, evidences=[replace(each, slope_a=slope[: len(each.sloped)]) for each in seen.evidences]),
+        replace(seen, evidences=[replace(each, inputs_a=Inputs(slope[: len(each.sloped)])) for each in seen.evidences]),
         trunk.device,
         [_linear(trunk)],
     )
@@ -436,8 +436,12 @@ def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
 def without_the_last_joint(seen):
     """The same, its last joint among those that are looked at besides."""
     own, last = (slice(None), slice(2)), (slice(None), slice(2, None))
-    of_joints = ("q", "a", "b", "compared", "steady", "rest", "slope_a", "slope_b")
-    evidences = [replace(each, **{name: getattr(each, name)[own] for name in of_joints}) for each in seen.evidences]
+    of_joints = ("q", "a", "b", "compared", "steady", "rest")
+    evidences = [
+        replace(each, **{name: getattr(each, name)[own] for name in of_joints},
+                **{name: Inputs(getattr(each, name).slope[own]) for name in ("inputs_a", "inputs_b")})
+        for each in seen.evidences
+    ]  # fmt: skip
     nothings = [replace(each, b=each.b[own], steady=each.steady[own]) for each in seen.nothings]
     floor = np.full(2, NOISE)
     repeats = Repeatability(*[found_in_nothing(floor)] * 3, np.zeros(2))

@@ -16,7 +16,8 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.robots.kinematics import forward
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import contact_effect
-from exogauge.studies.words.finding_sentences import finding_sentence, motion_words
+from exogauge.studies.words.finding_sentences import finding_sentence
+from exogauge.studies.words.motion_sentences import motion_words
 
 pytestmark = pytest.mark.slow
 

@@ -18,7 +18,7 @@ from exogauge.identification.sites import SensorSite
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree
-from exogauge.studies.words.finding_sentences import reason_words
+from exogauge.studies.words.reason_sentences import reason_words
 
 pytestmark = pytest.mark.slow
 

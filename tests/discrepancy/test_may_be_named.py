@@ -20,7 +20,7 @@ from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
 from exogauge.search.finding import objection
 from exogauge.search.judge import refused, told
-from exogauge.studies.words.finding_sentences import objection_words
+from exogauge.studies.words.reason_sentences import objection_words
 
 JUDGING = Judging()
 

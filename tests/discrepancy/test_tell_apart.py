@@ -36,7 +36,7 @@ from exogauge.search.candidates import Candidate
 from exogauge.search.refine import closest
 from exogauge.search.score import Baseline, Score, score
 from exogauge.search.site_rows import collect_rows, sums_of
-from exogauge.studies.words.finding_sentences import motion_words, not_told, planned_sentence
+from exogauge.studies.words.motion_sentences import motion_words, not_told, planned_sentence
 
 ENOUGH = Planning().enough
 

@@ -19,7 +19,7 @@ from exogauge.search.ambiguity import undecided
 from exogauge.search.candidates import Candidate
 from exogauge.search.score import Score
 from exogauge.search.site_rows import collect_rows
-from exogauge.studies.words.finding_sentences import not_told
+from exogauge.studies.words.motion_sentences import not_told
 
 
 class Whole:

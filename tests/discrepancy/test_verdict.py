@@ -29,7 +29,7 @@ from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.plain_values import finite
-from exogauge.studies.words.finding_sentences import reason_words
+from exogauge.studies.words.reason_sentences import reason_words
 
 JUDGING = Judging()
 

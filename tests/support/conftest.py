@@ -33,6 +33,7 @@ from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.support.evidence import Evidence
+from exogauge.support.inputs import Inputs
 from exogauge.support.settings import WornLog
 
 RATE = 100.0
@@ -444,8 +445,8 @@ def make_evidence(biped: Biped) -> Callable[..., Evidence]:
             time=course.time, q=course.q[:, routing.columns], posture=course.q, main=0,
             phase=np.zeros(len(torque), dtype=np.intp), a=torque, b=torque, a_priori=torque, std_a=nothing,
             std_b=nothing, half_a=nothing, half_b=nothing, low_b=torque, compared=used, steady=used, rest=~always,
-            length=geometry.length, kept=kept, sloped=kept[::20], slope_b=slope,
-            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, lambda: Channels({}, {}, {}, {})),
+            length=geometry.length, kept=kept, sloped=kept[::20], inputs_b=Inputs(slope), inputs_a=Inputs(slope),
+            prediction=Prediction("worn", True, course.time, {}, lambda: Channels({}, {}, {}, {})),
         )  # fmt: skip
 
     return make

@@ -32,6 +32,7 @@ from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.support.evidence import Evidence
+from exogauge.support.inputs import Inputs
 from exogauge.support.settings import WornLog
 from exogauge.support.stiffness import identify_bands
 from exogauge.synthetic import motion
@@ -54,7 +55,6 @@ VALUES = {
     "maxwell": {"branch_stiffness": 80.0, "relaxation_time": 0.6, "slow_branch_stiffness": 40.0},
     "via_friction": {"friction": 0.15, "way": 0.001, "n": 1.0},
 }
-NO_INPUTS = {f"{of}_{by}": {} for of in ("own", "session") for by in ("a", "b", "paired")}  # nothing is declared
 
 
 def test_every_law_is_tried():
@@ -175,10 +175,11 @@ def seen(law, stated, kind, seed):
     moves = always & (np.abs(np.gradient(q[:, columns], time, axis=0)).max(axis=1) > 0.02)[:, None]
     slope = np.zeros((len(kept[::20]), torque.shape[1], model.equations.size), dtype=np.float32)
     log = Log(f"{kind}_{seed}", time, {})
-    known = dict.fromkeys((each.name for each in fields(Evidence)), None) | NO_INPUTS | {
+    known = dict.fromkeys((each.name for each in fields(Evidence)), None) | {
         "worn": WornLog(log, kind, worn), "time": time, "q": q[:, columns], "posture": q, "a": torque, "b": torque,
-        "compared": moves, "steady": moves, "rest": ~moves, "kept": kept, "sloped": kept[::20], "slope_a": slope,
-        "slope_b": slope, "length": Routing(model.robot.tree, worn.bands).geometry(q).length,
+        "compared": moves, "steady": moves, "rest": ~moves, "kept": kept, "sloped": kept[::20],
+        "inputs_a": Inputs(slope), "inputs_b": Inputs(slope),
+        "length": Routing(model.robot.tree, worn.bands).geometry(q).length,
     }  # fmt: skip
     return Evidence(**known)
 

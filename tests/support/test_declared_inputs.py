@@ -20,6 +20,10 @@ from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import band_wires, rows_with, stretches
+from exogauge.support.inputs import Doubts
+from exogauge.support.repeatability import Plain, repeatability
+from exogauge.support.same_motion import Posture
+from exogauge.support.settings import SupportSettings
 
 SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
 DECLARED = Declared(
@@ -265,6 +269,57 @@ def problem(biped, bands, evidences):
     return setting, fit(setting, best_start(setting, starts(shared(bands), wires, ())))
 
 
+def in_nothing(model, logs, doubts=None):
+    """What is found on two runs of one motion without a device. doubts: what is known of it, where that is asked."""
+    names = [joint.name for joint in model.robot.joints]
+    runs = [Plain(balance(model, model.prepare(log), EVERY), Posture(log, names), "wander") for log in logs]
+    return repeatability(runs, np.ones(len(EVERY)), SupportSettings(), 0.2, doubts)
+
+
+@pytest.mark.slow
+def test_what_is_declared_does_not_count_again_where_logs_without_the_device_show_it(biped, wander):
+    """Zeros of both feet drawn as declared, alike in two runs as partners' are: means in steady motion scatter as much
+    as is taken off them."""
+    nothing_else = replace(
+        DECLARED, ft_gain=0.0, ft_gain_common=0.0, kt_drift=0.0, viscous_drift=0.0, coulomb_drift=0.0
+    )
+    model = replace(biped, robot=replace(biped.robot, declared=nothing_else)).known()
+    rng, draws, p = np.random.default_rng(0), 40, DEFAULT_DOUBTS.partner_alike
+    clean = [biped.record(wander(1, base_seed=k), f"run{k}").log for k in range(2)]
+    names = [f"ft.{sensor.name}.{each}" for sensor in biped.robot.contacts for each in FORCES]
+    size = np.tile(np.repeat([DECLARED.ft_zero_force, DECLARED.ft_zero_moment], 3), len(biped.robot.contacts))
+    scattered, left = {"a": [], "b": [], "paired": []}, {"a": [], "b": [], "paired": []}
+    for _ in range(draws):
+        zeros = (np.sqrt(p) * rng.normal(size=len(names)) + np.sqrt(1.0 - p) * rng.normal(size=(2, len(names)))) * size
+        runs = [
+            changed(log, {name: log.channels[name] + zero for name, zero in zip(names, each, strict=True)})
+            for log, each in zip(clean, zeros, strict=True)
+        ]
+        for squares, doubts in ((scattered, None), (left, Doubts(model, EVERY))):
+            for approach, found in in_nothing(model, runs, doubts).by_approach.items():
+                squares[approach].append(found.mean**2)
+    legs = biped.places(*(f"{side}_{joint}" for side in "lr" for joint in ("hip", "knee")))
+    for approach, squares in scattered.items():
+        of_legs = np.mean(squares, axis=0)[legs]
+        share = np.mean(left[approach], axis=0)[legs] / of_legs
+        assert of_legs.min() > 0.01
+        assert share.max() < 0.75  # of a normal number's square .48 lie beyond its own variance; more of few draws
+        assert share.min() > 0.2  # nor is more taken off than there is
+
+
+@pytest.mark.slow
+def test_what_nobody_declared_stays_where_logs_without_the_device_show_it(biped, model, wander):
+    """Friction that the model does not know, one way only, at the left knee."""
+    knee = biped.places("l_knee")[0]
+    unknown = 5.0 * np.eye(len(EVERY))[knee]
+    runs = [
+        biped.record(wander(1, base_seed=k), f"run{k}", extra=lambda speed: np.zeros_like(speed) + unknown).log
+        for k in range(2)
+    ]
+    for doubts in (None, Doubts(model, EVERY)):
+        assert in_nothing(model, runs, doubts).b.mean[knee] == pytest.approx(5.0, rel=0.05)
+
+
 @pytest.fixture(scope="module")
 def worn(suit, make_evidence, wander):
     return [make_evidence(suit, wander(seed), 0.3, seed=seed) for seed in (1, 2)]
@@ -274,12 +329,8 @@ def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, 
     """One motion in one log, and twice: errors of each log alone would be half of the variance, those alike all."""
     drift = np.zeros((len(worn[0].sloped), len(NAMES), 1), dtype=np.float32)
     drift[:, 0, 0] = np.sin(np.linspace(0.0, 9.0, len(drift)))
-    one, two = (
-        contributions(*problem(biped, suit.bands, [replace(worn[0], own_b={"kt_drift": drift})] * times), {})[
-            "kt_drift"
-        ]
-        for times in (1, 2)
-    )
+    drifting = replace(worn[0], inputs_b=replace(worn[0].inputs_b, own={"kt_drift": drift}))
+    one, two = (contributions(*problem(biped, suit.bands, [drifting] * times), {})["kt_drift"] for times in (1, 2))
     share = DEFAULT_DOUBTS.alike + 0.5 * (1.0 - DEFAULT_DOUBTS.alike)
     np.testing.assert_allclose(two, share * one, rtol=1e-5, atol=1e-9 * np.abs(one).max())
 

@@ -23,6 +23,12 @@ LIMBS: tuple[tuple[Segment, Segment], ...] = (
     ("l_upper_arm", "l_forearm"), ("l_forearm", "l_hand"), ("r_upper_arm", "r_forearm"), ("r_forearm", "r_hand"),
 )  # fmt: skip
 PARTS: tuple[Segment, ...] = ("pelvis", "thorax", "head")
+BESIDE: tuple[tuple[Segment, Segment, int], ...] = (  # at rest the head lies above the chest, arms on its sides
+    ("thorax", "head", 2), ("r_upper_arm", "l_upper_arm", 1),
+)  # fmt: skip
+CARRIED: Mapping[Segment, tuple[Segment, Segment, Segment]] = {  # on the left, on the right, above
+    "pelvis": ("l_thigh", "r_thigh", "thorax"), "thorax": ("l_upper_arm", "r_upper_arm", "head"),
+}  # fmt: skip
 
 
 @final
@@ -146,8 +152,7 @@ def axes_of(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) 
             return _by_children(motion, tree, bones)
         up = trunk - (trunk @ left) * left
     axes = _frame(left, up)
-    ways = (("thorax", "head", 2), ("r_upper_arm", "l_upper_arm", 1))  # at rest the head is above, the arms beside
-    for part, to, axis in ways:
+    for part, to, axis in BESIDE:
         if part in bones and to in bones:
             way = rest[bones[to]] - rest[bones[part]]
             if way @ axes[:, axis] < USUAL.level * np.linalg.norm(way):
@@ -159,10 +164,9 @@ def _by_children(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, i
     """Of pelvis and thorax, where no rest posture says it: left between the bones that lead to both limbs, up to the
     bone that leads to what is above. Raises BadMotion where there are none, or where the pelvis then is not upright."""
     found = dict[Segment, Array]()
-    for part, limbs, above in (("pelvis", ("l_thigh", "r_thigh"), "thorax"),
-                               ("thorax", ("l_upper_arm", "r_upper_arm"), "head")):  # fmt: skip
+    for part, carried in CARRIED.items():
         at = bones[part]
-        led = [_towards(tree, at, bones.get(to)) for to in (*limbs, above)]
+        led = [_towards(tree, at, bones.get(to)) for to in carried]
         if None not in led:
             to_l, to_r, up = ((tree.rest_position[k] - tree.rest_position[at]) @ tree.rest_rotation[at] for k in led)
             left = to_l - to_r

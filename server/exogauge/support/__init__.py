@@ -3,7 +3,8 @@
 - `settings`, `motions`, `same_motion`, `notes`: which log is compared with which
 - `difference`, `paired`, `balance`, `at_rest`: the estimates, and what they are worth where a joint stands still
 - `coloured`, `drift`, `zeros`: errors that last, what motors gave and feet read in every log of a session
-- `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their doubt, the best
+- `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their
+  doubt, the best
 - `band_rows`, `band_model`, `band_offsets`, `band_weights`, `band_fit`: bands fitted to supporting torques
 - `band_inputs`, `band_doubt`, `stiffness`, `cross_checks`: what their springs are, how sure, and whether that agrees
 - `evaluate`, `result`: the recipe and its answer

@@ -16,7 +16,8 @@ from exogauge.devices.routing import Routing
 from exogauge.effects.band import BandEffect, BandSignals
 from exogauge.logs.filtering import LowPass
 from exogauge.robots.tree import IntArray
-from exogauge.support.evidence import Evidence, Nothing, OwnInputs, on_joints
+from exogauge.support.evidence import Evidence, Nothing, on_joints
+from exogauge.support.inputs import ByName
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -51,8 +52,8 @@ class WearLog:
     slope: NDArray[np.float32] | None
     low_pass: LowPass | None = None
     share: float = 1.0
-    own: OwnInputs = field(default_factory=dict)
-    session: OwnInputs = field(default_factory=dict)
+    own: ByName = field(default_factory=dict)
+    session: ByName = field(default_factory=dict)
     zero_std: Array | None = None
 
     @property
@@ -212,16 +213,13 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
     log, kept = evidence.worn.log, evidence.kept
     dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
     torque, used = evidence.a_priori if approach == "prior" else evidence.b, evidence.steady
-    slope: NDArray[np.float32] | None = evidence.slope_b
-    own, session = evidence.own_b, evidence.session_b
+    inputs = evidence.inputs({"A": "a", "paired": "paired"}.get(approach, "b"))
     if approach == "A":
         assert evidence.a is not None
-        torque, used, slope = evidence.a, evidence.compared & np.isfinite(evidence.a), evidence.slope_a
-        own, session = evidence.own_a, evidence.session_a
+        torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
     if approach == "paired":
         assert evidence.paired is not None
-        torque, used, slope = evidence.paired, used & np.isfinite(evidence.paired), evidence.slope_paired
-        own, session = evidence.own_paired, evidence.session_paired
+        torque, used = evidence.paired, used & np.isfinite(evidence.paired)
     pair = np.where(used, torque, 0.0)[kept], used[kept]
     if beside is not None:
         pair = _joined(pair, beside[log.name])
@@ -234,9 +232,9 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
         torque=pair[0],
         used=pair[1],
         sloped=np.searchsorted(kept, evidence.sloped),
-        slope=slope,
-        own=own,
-        session=session,
+        slope=inputs.slope,
+        own=inputs.own,
+        session=inputs.session,
         low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
     )
 

@@ -14,10 +14,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.support.evidence import Evidence
+from exogauge.support.inputs import variance_of_mean, weights_of_mean
 from exogauge.support.peak import Moments, peak_places, same_moments
 from exogauge.support.repeatability import Repeatability
 from exogauge.support.result import Effort, Trial
@@ -113,14 +113,16 @@ def _told(
     scatter = float(np.var(values, ddof=1)) / K if K > 1 else 0.0
     if name not in MEASURED:
         return {SCATTER: float(np.sqrt(scatter))}
-    found = {source: float(np.sqrt(square)) for source, square in _of_inputs(runs, name, windows).items()}
+    seen = [(runs.evidences[k], window) for k, window in windows.items()]
+    means = [(each.inputs(name).joint(runs.joint), weights_of_mean(each.sloped, window)) for each, window in seen]
+    found = {source: float(np.sqrt(square)) for source, square in variance_of_mean(runs.model, means).items()}
     steady, other = (float(each[runs.joint]) for each in runs.repeats.spread(name))
     memory = runs.model.criteria.support.memory_s
     highest = float(runs.repeats.peak_b[runs.joint]) if name == "b" else 0.0
     at_rest, nulls = list[float](), list[float]()
     for k, window in windows.items():
         moves, rests = (each[window, runs.joint] for each in (runs.trials[k].steady, runs.trials[k].rest))
-        hidden = runs.evidences[k].doubted(name, runs.joint).at_rest[window]
+        hidden = runs.evidences[k].at_rest(name)[window, runs.joint]
         noise = np.where(moves, steady, other) ** 2
         if not whole:
             at_rest.append(float(np.mean(hidden)))
@@ -137,39 +139,6 @@ def _told(
         NULL_TEST: float(np.mean(nulls)) if nulls else 0.0,
     }
     return {source: std for source, std in found.items() if std > 0.0}
-
-
-def _of_inputs(runs: Runs, name: str, windows: Mapping[int, BoolArray]) -> dict[str, float]:
-    """Source -> variance [N²·m²] from the robot's parameters and what is declared. They err alike at every sample."""
-    K, alike = len(windows), DECLARED.alike
-    shared, own, session = list[Array](), list[Mapping[str, Array]](), list[Mapping[str, Array]]()
-    for k, window in windows.items():
-        evidence = runs.evidences[k]
-        doubted, weights = evidence.doubted(name, runs.joint), _weights(evidence, window)
-        shared.append(weights @ doubted.slope)
-        own.append({each: weights @ inputs for each, inputs in doubted.own.items()})
-        session.append({each: weights @ inputs for each, inputs in doubted.session.items()})
-    S = np.mean(shared, axis=0)
-    found = {source: max(float(S @ C @ S), 0.0) for source, C in runs.model.doubt_by_source.items()}
-    for source in own[0]:
-        each = np.array([inputs[source] for inputs in own])
-        square = alike * np.sum(np.mean(each, axis=0) ** 2) + (1.0 - alike) * np.sum(each**2) / K**2
-        found[source] = found.get(source, 0.0) + float(square)
-    for source in session[0]:
-        together = np.mean([inputs[source] for inputs in session], axis=0)
-        found[source] = found.get(source, 0.0) + float(np.sum(together**2))
-    return found
-
-
-def _weights(evidence: Evidence, window: BoolArray) -> Array:
-    """(n,) how much each of `Evidence.sloped` counts in a mean over a window, with straight lines between them."""
-    place = np.interp(np.flatnonzero(window), evidence.sloped, np.arange(len(evidence.sloped)))
-    before = np.floor(place).astype(np.intp)
-    after, share = np.minimum(before + 1, len(evidence.sloped) - 1), place - before
-    weights = np.zeros(len(evidence.sloped))
-    np.add.at(weights, before, (1.0 - share) / len(place))
-    np.add.at(weights, after, share / len(place))
-    return weights
 
 
 def _near(time: Array, top: int, seconds: float) -> BoolArray:

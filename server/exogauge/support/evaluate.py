@@ -25,6 +25,7 @@ from exogauge.support.band_weights import LEAST_SIGMA
 from exogauge.support.cross_checks import judged
 from exogauge.support.drift import find_drift
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
+from exogauge.support.inputs import Doubts
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_drift, notes_on_logs, notes_on_zeros
 from exogauge.support.phases import phase_names
@@ -90,12 +91,13 @@ def gather_support(
     drift = find_drift(model, plain, [each.log for each in worn], balances, settings.started)
     if drift is not None:
         balances = {name: drift.without(model, each) for name, each in balances.items()}
+    known = Doubts(model, joints, [each for each in (drift, zeros) if each is not None])
     told = [held_friction(model, balances[each.log.name]) for each in _telling_of_rest(plain)]
     held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
         give_back()  # what the balances took
         plains = _plains(model, _of_motion(plain, motion), balances)
-        repeats = repeatability(plains, held, settings, model.criteria.support.peak_s)
+        repeats = repeatability(plains, held, settings, model.criteria.support.peak_s, known)
         background = Background(joints, plains, repeats, held, None, drift, zeros)
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
@@ -203,7 +205,7 @@ def _of_motion(plain: Sequence[PlainLog], motion: str) -> Sequence[PlainLog]:
 def _plains(model: RobotModel, plain: Sequence[PlainLog], balances: Mapping[str, Balance]) -> list[Plain]:
     found = [(each, balances[each.log.name]) for each in plain]
     return [
-        Plain(own, Posture(each.log, [model.robot.joints[j].name for j in own.joints]), each.motion)
+        Plain(own, Posture(each.log, [model.robot.joints[j].name for j in own.joints]), each.motion, each.held_out)
         for each, own in found
     ]
 

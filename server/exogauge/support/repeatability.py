@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -13,6 +13,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
 from exogauge.support.difference import difference
+from exogauge.support.inputs import Doubts, sloped_samples
 from exogauge.support.paired import paired
 from exogauge.support.peak import peak_places, same_moments
 from exogauge.support.same_motion import Posture, match
@@ -25,11 +26,13 @@ BoolArray = NDArray[np.bool_]
 @final
 @dataclass(frozen=True)
 class Plain:
-    """A log without the device, ready to be compared with. posture: of the joints asked about."""
+    """A log without the device, ready to be compared with. posture: of the joints asked about. held_out: it was not
+    fitted, so that it errs by all that is in doubt."""
 
     balance: Balance
     posture: Posture
     motion: str | None
+    held_out: bool = True
 
     @property
     def name(self) -> str:
@@ -43,7 +46,7 @@ class Null:
 
     RMS of the number that is told in steady motion, elsewhere, and over all samples. moves: elsewhere, of A at starts,
     stops and turns alone: what it holds at rest has a doubt of its own. mean: RMS over the logs of their
-    means in steady motion.
+    means in steady motion, beyond what is known to be in doubt: that stands beside it in every number.
     lasting: regime -> (D,) [s].
     """
 
@@ -86,22 +89,44 @@ class Repeatability:
         return np.asarray(np.sqrt(2.0) * self.b.steady if self.a is None else self.a.steady)
 
 
-def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSettings, peak_s: float) -> Repeatability:
+def repeatability(
+    plains: Sequence[Plain], held: Array, settings: SupportSettings, peak_s: float, doubts: Doubts | None = None
+) -> Repeatability:
     """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest. peak_s:
-    how long the mean lasts that is told as a peak."""
+    how long the mean lasts that is told as a peak. doubts: what of it stands beside it anyhow."""
     by_b, by_a, by_pair = list[_Seen](), list[_Seen](), list[_Seen]()
-    for own in (plain.balance for plain in plains):
+    for plain in plains:
+        own = plain.balance
         whole = ~own.left_out[:, None] & np.ones_like(own.steady)
         told = bridged(own.torque, own.steady, own.rest * held)
-        by_b.append(_Seen(told, own.steady & whole, ~own.steady & whole, _step(own)))
+        steady = own.steady & whole
+        by_b.append(_Seen(told, steady, ~own.steady & whole, _step(own), _known(doubts, plain, steady)))
     for first, last in _first_and_last(plains):
         this, other = first.balance, last.balance
         apart = difference(this, other, match(first.posture, last.posture, settings))
-        by_a.append(_Seen(apart.torque, apart.compared, ~apart.compared, _step(this), apart.rest < 0.5))
-        by_pair.append(_Seen(paired(this, other, apart, held).torque, this.steady, ~this.steady, _step(this)))
+        pair = paired(this, other, apart, held)
+        a = _Seen(apart.torque, apart.compared, ~apart.compared, _step(this), moves=apart.rest < 0.5)
+        both = _Seen(pair.torque, this.steady, ~this.steady, _step(this))
+        if doubts is not None and first.held_out and last.held_out:
+            sloped = sloped_samples(this.prepared)
+            own_inputs = doubts.inputs(this.prepared, sloped)
+            partner = doubts.inputs(other.prepared, apart.nearest[sloped])
+            of_a, of_both = (own_inputs.less(partner, joints) for joints in (None, pair.from_partner))
+            a = replace(a, known=doubts.of_means(of_a, sloped, a.steady))
+            both = replace(both, known=doubts.of_means(of_both, sloped, both.steady))
+        by_a.append(a)
+        by_pair.append(both)
     b = _null(by_b)
     assert b is not None
     return Repeatability(b, _null(by_a), _null(by_pair), _peak(plains, by_b, settings, peak_s))
+
+
+def _known(doubts: Doubts | None, plain: Plain, windows: BoolArray) -> Array | None:
+    """(D,) [N²·m²] variance that is known of the means over windows (T, D), of a log that was not fitted."""
+    if doubts is None or not plain.held_out:
+        return None
+    sloped = sloped_samples(plain.balance.prepared)
+    return doubts.of_means(doubts.inputs(plain.balance.prepared, sloped), sloped, windows)
 
 
 def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
@@ -118,12 +143,13 @@ def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
 @dataclass(frozen=True)
 class _Seen:
     """(T, D) each: the number that is told, and the samples of each regime; moves: of the other one, those of which an
-    RMS is taken where rest has a doubt of its own."""
+    RMS is taken where rest has a doubt of its own. known: (D,) [N²·m²] of the mean in steady motion, if any."""
 
     told: Array
     steady: BoolArray
     other: BoolArray
     step_s: float
+    known: Array | None = None
     moves: BoolArray | bool = True
 
 
@@ -135,11 +161,13 @@ def _null(seen: Sequence[_Seen]) -> Null | None:
     )
     moves = np.concatenate([each.other & each.moves for each in seen])
     step = np.concatenate([np.full(len(each.told), each.step_s) for each in seen])[:, None]
-    means = [_mean(each.told, each.steady) for each in seen]
+    squares = [_mean(each.told, each.steady) ** 2 - (0.0 if each.known is None else each.known) for each in seen]
     regimes = {"steady": steady, "other": other, "whole": steady | other}
     lasting = {name: np.sum(step * (chosen & np.isfinite(told)), axis=0) for name, chosen in regimes.items()}
     size = {name: _rms(told, chosen) for name, chosen in regimes.items()}
-    return Null(**size, moves=_rms(told, moves), mean=np.sqrt(np.mean(np.square(means), axis=0)), lasting=lasting)
+    return Null(
+        **size, moves=_rms(told, moves), mean=np.sqrt(np.maximum(np.mean(squares, axis=0), 0.0)), lasting=lasting
+    )
 
 
 def _peak(plains: Sequence[Plain], seen: Sequence[_Seen], settings: SupportSettings, peak_s: float) -> Array:

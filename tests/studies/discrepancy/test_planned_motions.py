@@ -15,7 +15,7 @@ from exogauge.findings.result import Discrepancy
 from exogauge.studies.results.discrepancy_results import discrepancy_entry, motion_table, planned_files
 from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.schema.discrepancy import RivalApart
-from exogauge.studies.words.finding_sentences import planned_sentence
+from exogauge.studies.words.motion_sentences import planned_sentence
 
 TOLD = Apart("presliding", "torso_pitch", 0.12, 0.64, 1.5, 52.0, 13.0, 7.7, 10.0, 600.0)
 

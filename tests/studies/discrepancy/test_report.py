@@ -20,7 +20,8 @@ from exogauge.studies.intake.open import open_study
 from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence, is_cut
 from exogauge.studies.report.write import render_report
 from exogauge.studies.results.document import Evaluation
-from exogauge.studies.words.finding_sentences import finding_sentence, objection_words
+from exogauge.studies.words.finding_sentences import finding_sentence
+from exogauge.studies.words.reason_sentences import objection_words
 
 Render = Callable[[Discrepancy | None], str]
 

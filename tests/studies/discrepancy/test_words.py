@@ -14,8 +14,9 @@ from exogauge.findings.result import Alternative, ChainStep, Discrepancy, HeldOu
 from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.plain_values import finite
-from exogauge.studies.words.finding_sentences import finding_sentence, objection_words
+from exogauge.studies.words.finding_sentences import finding_sentence
 from exogauge.studies.words.names import step_words, words_of_effects
+from exogauge.studies.words.reason_sentences import objection_words
 
 IDENTIFIER = re.compile(r"[A-Za-z]\w*_\w+|\w+@\w+")
 PLACES = {

@@ -20,15 +20,10 @@ from exogauge.studies.words.discrepancy_sentences import (
     looked_at,
     moves,
 )
-from exogauge.studies.words.finding_sentences import (
-    consequence_words,
-    finding_sentence,
-    motion_words,
-    note_words,
-    objection_words,
-    where_words,
-)
+from exogauge.studies.words.finding_sentences import consequence_words, finding_sentence, where_words
+from exogauge.studies.words.motion_sentences import motion_words
 from exogauge.studies.words.names import added_words, capital, channel, parameter_words, step_words, titled
+from exogauge.studies.words.reason_sentences import note_words, objection_words
 from exogauge.studies.words.rounding import significant, with_std
 
 COORDINATES = {

@@ -20,17 +20,10 @@ from exogauge.findings.verdict import Objection
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.results.support_results import number
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
-from exogauge.studies.words.finding_sentences import (
-    consequence_words,
-    finding_sentence,
-    motion_words,
-    note_words,
-    objection_words,
-    planned_sentence,
-    reason_words,
-    where_words,
-)
+from exogauge.studies.words.finding_sentences import consequence_words, finding_sentence, where_words
+from exogauge.studies.words.motion_sentences import motion_words, planned_sentence
 from exogauge.studies.words.names import added_words, capital, channel, parameter_words, step_words, titled
+from exogauge.studies.words.reason_sentences import note_words, objection_words, reason_words
 
 NOTHING: Mapping[int, str] = MappingProxyType({})
 

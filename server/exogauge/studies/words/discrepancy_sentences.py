@@ -9,8 +9,8 @@ from typing import Any
 from exogauge.devices.result import Estimate
 from exogauge.findings.result import Alternative, Discrepancy, Excess, Finding, HeldOut, Place
 from exogauge.findings.verdict import Why
-from exogauge.studies.words.finding_sentences import declared_words, reason_words
 from exogauge.studies.words.names import capital, channel, counted, listed, place_words, titled
+from exogauge.studies.words.reason_sentences import declared_words, reason_words
 from exogauge.studies.words.rounding import significant
 
 CHANGED = 0.1  # share of a quantity's doubt, below which it counts as unchanged
