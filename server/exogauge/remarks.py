@@ -15,6 +15,8 @@ class About(StrEnum):
     INERTIA_RAISED = "inertia_raised"  # links; -; file, worst link; by how much [kg·m²], its principal moments
     TOO_DENSE = "too_dense"  # -; -; file; mass of all links [kg], density that half of it exceeds [kg/m³]
     TOO_LIGHT = "too_light"  # -; -; file; the same, density that half of it is below
+    NO_EXTENT = "no_extent"  # -; -; file; mass of all links [kg]
+    MOVES_NOTHING = "moves_nothing"  # joints; -; file
     # the identification
     FACTOR_OPEN = "factor_open"
     LOAD_NOT_FITTED = "load_not_fitted"  # loads; mass [kg]

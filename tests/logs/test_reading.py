@@ -204,6 +204,9 @@ def test_row_numbers_stay_those_of_the_file_when_only_some_rows_are_read(tmp_pat
         (b"t\n0\n", "no_channels"),
         (b"t,q.a,q.a\n", "duplicate_column"),
         (b"t,,q.a\n", "unnamed_column"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "stands_in"),
+        (b"<!DOCTYPE html>\n<html><body>not found</body></html>\n", "stands_in"),
+        (b"\n <html lang='en'>\n", "stands_in"),
         (b"t,joint1\n", "unknown_channel"),
         (b"\x00\x01\x02\x03", "unknown_format"),
         (b"SQLite format 3\x00", "unreadable_file"),
@@ -218,6 +221,15 @@ def test_row_numbers_stay_those_of_the_file_when_only_some_rows_are_read(tmp_pat
 )
 def test_what_is_no_log_is_told_so(content: bytes, rule: str, tmp_path: Path) -> None:
     assert rule in {f.rule for f in faults(put(tmp_path, content))}
+
+
+def test_a_header_unlike_every_row_is_told_once(tmp_path: Path) -> None:
+    """A header of seven joints above rows of six was told twenty times as a decimal comma."""
+    (found,) = faults(put(tmp_path, "t,q.a,q.b\n" + "".join(f"{k},1\n" for k in range(30))))
+    assert (found.rule, found.row) == ("header_unlike_rows", 0)
+    assert "names 3 columns, and every row has 2 cells" in found.detail
+    some = faults(put(tmp_path, "t,q.a\n" + "".join(f"{k},1\n" for k in range(30)) + "30,1,2\n31,1\n"))
+    assert {each.rule for each in some} == {"ragged_row"}
 
 
 def test_not_more_than_twenty_faults_are_listed(tmp_path: Path) -> None:

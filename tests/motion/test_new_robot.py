@@ -161,3 +161,33 @@ def test_a_robot_of_which_nothing_is_logged_is_not_excited(tmp_path: Path, capsy
     assert "nothing can be identified" in said.err
     assert "actuation: torque" in said.err
     assert "search" not in said.err
+
+
+LINK = (
+    '<link name="{}"><inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/>'
+    "</inertial></link>"
+)
+JOINT = '<joint name="{0}{1}" type="revolute"><parent link="{0}"/><child link="{1}"/><origin xyz="0 0 .3"/>{2}</joint>'
+
+
+@pytest.mark.parametrize("more", ["", "<limit/>", "<mimic/>", '<dynamics damping="x"/>', '<calibration rising="x"/>'])
+@pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-1"])
+def test_a_urdf_as_others_write_it_is_drafted(tmp_path: Path, capsys, more: str, encoding: str) -> None:
+    """Whatever the check lets pass: the draft read the raw text anew, and ended with a traceback."""
+    links, joints = "".join(map(LINK.format, "abc")), JOINT.format("a", "b", "") + JOINT.format("b", "c", more)
+    text = f"<?xml version='1.0' encoding='{encoding}'?><robot>{links}{joints}<drake:x/><!-- Größe --></robot>"
+    (tmp_path / "r.urdf").write_bytes(text.encode(encoding))
+    assert main(["motion", "robot", str(tmp_path / "r.urdf")]) == 0
+    said = capsys.readouterr()
+    assert "3.0 kg" in said.out
+    assert not said.err
+
+
+def test_a_draft_tells_what_looks_like_a_slip_in_the_urdf(tmp_path: Path, capsys) -> None:
+    light = LINK.replace('"1"', '"1000"')
+    links = "".join(map(light.format, "ab")) + '<link name="c"/>'
+    urdf = f"<robot>{links}{JOINT.format('a', 'b', '')}{JOINT.format('b', 'c', '')}</robot>"
+    (tmp_path / "r.urdf").write_text(urdf)
+    for command in (["motion", "robot"], ["robot"]):
+        assert main([*command, str(tmp_path / "r.urdf")]) == 0
+        assert "nothing that weighs hangs on bc" in capsys.readouterr().out

@@ -16,7 +16,7 @@ NAMES = tuple(joint.name for joint in JOINTS)
 
 @pytest.fixture(scope="module")
 def model() -> pin.Model:
-    return flat_model(robot_urdf(), NAMES, floating=True)
+    return flat_model(robot_urdf().encode(), NAMES, floating=True)
 
 
 def test_weight_and_inertia_are_those_of_the_free_flying_robot(model) -> None:
@@ -54,7 +54,7 @@ def test_slopes_of_the_torques_are_exact(model) -> None:
 
 def test_joints_that_are_not_named_are_held_and_the_torso_is_found() -> None:
     named = tuple(name for name in NAMES if "neck" not in name)
-    model = flat_model(robot_urdf(), named, floating=True)
+    model = flat_model(robot_urdf().encode(), named, floating=True)
     joints = tuple(list(model.names)[7:])
     assert set(joints) == set(named)
     assert tuple(list(model.names)[1:7]) == BASE

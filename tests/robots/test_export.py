@@ -177,3 +177,15 @@ def test_odd_names_neither_break_the_comment_nor_the_file() -> None:
     tree = load_tree(urdf, joints=["turn"], base_link="trunk", floating=True)
     exported = export_urdf(urdf, tree, identified(tree.phi))
     assert "tip--größe &gt; 2".encode() in exported
+
+
+@pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-1"])
+def test_a_file_in_another_encoding_comes_back_as_one_that_is_read(urdf_of: Read, encoding: str) -> None:
+    text = (
+        re.sub(r"<\?xml.*?\?>", "", urdf_of("odd").decode()).strip().replace("</robot>", "<drake:x/><!-- ü --></robot>")
+    )
+    urdf = f"<?xml version='1.0' encoding='{encoding}'?>\n{text}".encode(encoding)
+    tree = load_tree(urdf, joints=["slide", "spin", "hip"], base_link="trunk", floating=True)
+    phi = identified(tree.phi)
+    again = load_tree(export_urdf(urdf, tree, phi), joints=["slide", "spin", "hip"], base_link="trunk", floating=True)
+    np.testing.assert_allclose(again.phi, phi, rtol=1e-9, atol=1e-9)

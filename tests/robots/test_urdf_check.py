@@ -7,13 +7,21 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot
 from exogauge.remarks import About
-from exogauge.robots.urdf import load_tree
-from exogauge.robots.urdf_check import INERTIA_NAMES, check_urdf, impossible_density, raised_inertias, read_urdf
+from exogauge.robots.urdf import load_tree, load_whole, model_text
+from exogauge.robots.urdf_check import (
+    INERTIA_NAMES,
+    check_urdf,
+    idle_joints,
+    impossible_density,
+    raised_inertias,
+    read_urdf,
+)
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
 
@@ -201,3 +209,92 @@ def test_the_inertia_that_is_advised_in_place_of_an_impossible_one_is_accepted()
     advised = fault.advice.partition("of a body: ")[2]
     assert advised.count("=") == 6
     check_urdf(_robot(_link("a", inertia=f"<inertia {advised}/>")))
+
+
+LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
+GOOD = _robot(*TWO)
+XACRO = b'<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">'
+
+
+@pytest.mark.parametrize(
+    ("urdf", "said"),
+    [
+        (b"", "It is empty"),
+        (b"\n<?xml version='1.0'?>" + GOOD, "Remove what stands before"),
+        (b"<!-- mine -->\n<?xml version='1.0'?>" + GOOD, "Remove what stands before"),
+        (GOOD.replace(b"</robot>", "\n<!-- Größe --></robot>".encode("latin-1")), "Line 2 is not UTF-8"),
+        (GOOD.replace(b"</robot>", b"<gazebo a='b & c'/></robot>"), "&amp;"),
+        (b"PK\x03\x04", "not an archive"),
+        (LFS, "git lfs pull"),
+        (b"<!DOCTYPE html>\n<html></html>", "is a web page"),
+        (GOOD.replace(b'"r">', b'"r"><xacro:arm name="left"/>'), "holds <xacro:arm>"),
+        (GOOD.replace(b'<robot name="r">', XACRO + b'<xacro:include filename="a"/>'), "holds <xacro:include>"),
+        (_robot(_link("${side}_a")), "expand it first|Expand it first"),
+        (_robot(_link("a", mass="0,5")), "a decimal point"),
+        (_robot(*TWO[:2], _joint("j", "a", "b", more='<origin xyz="0, 0, 1"/>')), "blanks between numbers"),
+        (_robot(_link("a", mass="0")), "of a frame that weighs nothing take"),
+        (_robot(_link("a", inertia="")), "<inertia> lacks ixx. Give it"),
+        (_robot(*TWO[:2], _joint("universe", "a", "b")), "Rename it"),
+    ],
+)
+def test_what_is_wrong_with_the_file_and_what_to_do_is_said(urdf: bytes, said: str) -> None:
+    """Each is a form in which files of others come; advice was that of a xacro for all of them, or none."""
+    with pytest.raises(BadRobot, match=said):
+        check_urdf(urdf)
+
+
+@pytest.mark.parametrize("left", [b"<xacro:property name='a' value='1'/>", b"<xacro:macro name='m'/>"])
+def test_what_makes_no_link_of_itself_may_be_left_of_a_xacro(left: bytes) -> None:
+    check_urdf(GOOD.replace(b'<robot name="r">', XACRO + left))
+
+
+def test_a_number_is_named_by_its_tag_once() -> None:
+    with pytest.raises(BadRobot, match="link 'a': <mass> value is not a finite number"):
+        check_urdf(_robot(_link("a", mass="nan")))
+
+
+def test_joints_that_move_no_mass_are_told_and_a_robot_of_none_else_is_refused() -> None:
+    """One without any <inertial> ended the identification with a traceback."""
+    links = ['<link name="a"/>', _link("b"), '<link name="c"/>', '<link name="d"/>']
+    joints = [_joint("j", "a", "b"), _joint("k", "b", "c"), _joint("l", "c", "d")]
+    (remark,) = idle_joints(load_whole(_robot(*links, *joints)), "a.urdf")
+    assert (remark.about, remark.names) == (About.MOVES_NOTHING, ("k", "l"))
+    assert idle_joints(load_whole(_robot(*links[:2], _link("c"), _link("d"), *joints)), "a.urdf") == ()
+    assert idle_joints(load_whole(_robot(links[0], links[2], _link("b"), _joint("j", "a", "c"), _joint("k", "c", "b"))),
+                       "a.urdf") == ()  # fmt: skip
+    with pytest.raises(BadRobot, match="has a mass"):
+        idle_joints(load_whole(_robot(links[0], links[2], _joint("j", "a", "c"))), "a.urdf")
+
+
+def test_masses_without_inertia_are_not_called_too_dense() -> None:
+    points = _robot(*(_link(name, inertia=_spread(0, 0, 0)) for name in "ab"), _joint("j", "a", "b"))
+    (remark,) = impossible_density(points, "a.urdf", Examining())
+    assert (remark.about, remark.numbers) == (About.NO_EXTENT, (2.0,))
+
+
+NAMED = "<?xml version='1.0' encoding='{}'?>"
+ROUGH = {
+    "no limit": _robot(*TWO),
+    "an empty limit": _robot(*TWO[:2], _joint("j", "a", "b", more="<limit/>")),
+    "no effort": _robot(*TWO[:2], _joint("j", "a", "b", more='<limit lower="-1" upper="1" velocity="1"/>')),
+    "upside down": _robot(
+        *TWO[:2], _joint("j", "a", "b", more='<limit lower="1" upper="-1" effort="1" velocity="1"/>')
+    ),
+    "a mimic of nothing": _robot(*TWO, _link("c"), _joint("k", "b", "c", more="<mimic/>")),
+    "damping that is no number": _robot(*TWO[:2], _joint("j", "a", "b", more='<dynamics damping="x"/>')),
+    "calibration": _robot(*TWO[:2], _joint("j", "a", "b", more='<calibration rising="x"/>')),
+    "a colour of two numbers": _robot(*TWO, '<material name="m"><color rgba="1 0"/></material><material name="m"/>'),
+    "no name": _robot(*TWO).replace(b' name="r"', b""),
+    "an undeclared prefix": _robot(*TWO, "<drake:x/>"),
+    "UTF-16": (NAMED.format("UTF-16") + _robot(*TWO).decode()).encode("utf-16"),
+    "Latin-1": (NAMED.format("ISO-8859-1") + _robot(*TWO).decode() + "<!-- Größe -->").encode("latin-1"),
+    "a joint called as its link": _robot(*TWO[:2], _joint("a", "a", "b")),
+}
+
+
+@pytest.mark.parametrize("kind", ROUGH)
+def test_what_the_check_lets_pass_pinocchio_reads(kind: str) -> None:
+    """Its own reader of URDF raises on all but the last."""
+    model = pin.buildModelFromXML(model_text(ROUGH[kind]))
+    assert [model.nq, model.nv] == [1, 1]
+    assert model.lowerPositionLimit[0] < 0.0 < model.upperPositionLimit[0]

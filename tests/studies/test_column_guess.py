@@ -210,3 +210,68 @@ def test_a_proposal_is_a_mapping_that_its_own_reader_takes() -> None:
     (read,) = parse_mapping(yaml.safe_dump(content).encode(), "mapping.yaml").files
     assert set(read.used) == set(names)
     assert math.isclose(read.clock.delay_s, 0.0)
+
+
+ARM = Wearer(tuple(JointFacts(name, -3.0, 3.0, 3.0) for name in ("base", "upper", "fore")))
+
+
+def of_arm(**spans: tuple[float, float]) -> dict[str, Suggestion | Advice]:
+    return guess([Seen(name, *span) for name, span in spans.items()], ARM, {})
+
+
+@pytest.mark.parametrize(
+    ("quantity", "large", "small", "unit"),
+    [("current_", 900.0, 40.0, "mA"), ("q", 60.0, 2.0, "deg"), ("torque", 9000.0, 30.0, "mNm")],
+)
+def test_a_quantity_has_one_unit_in_all_its_columns(quantity: str, large: float, small: float, unit: str) -> None:
+    """The small ones of a wrist were read in amperes beside milliamperes of the shoulder."""
+    spans = {f"{quantity}{k}": (-size, size) for k, size in enumerate((large, small, small))}
+    found = of_arm(**spans)
+    assert [each.unit for each in found.values() if isinstance(each, Suggestion)] == [unit] * 3
+    assert not any(each.sure for each in found.values() if isinstance(each, Suggestion))
+
+
+def test_a_unit_that_is_named_stays_beside_others() -> None:
+    found = of_arm(current_0=(-900.0, 900.0), base_current_A=(-4.0, 4.0), upper_current_mA=(-50.0, 50.0))
+    assert [each.unit for each in found.values() if isinstance(each, Suggestion)][-2:] == ["A", "mA"]
+
+
+def test_six_numbers_of_a_tool_are_no_joints() -> None:
+    """`actual_TCP_speed_0` became the speed of the first joint."""
+    tool = [f"{name}_{k}" for name in ("actual_TCP_speed", "tool.velocity", "ee_pose.position") for k in range(3)]
+    found = guess([Seen(name, -0.3, 0.3) for name in [*tool, "actual_qd_0", "actual_qd_1", "actual_qd_2"]], ARM, {})
+    assert all(isinstance(found[name], Advice) for name in tool)
+    assert isinstance(found["actual_qd_2"], Suggestion)
+
+
+@pytest.mark.parametrize("stem", ["PositionCmptd{}", "tau_J_d_{}", "q_d[{}]", "state.dq_d[{}]", "action.q{}"])
+def test_what_was_computed_or_desired_was_not_measured(stem: str) -> None:
+    found = guess([Seen(stem.format(k), *SMALL) for k in range(3)], ARM, {})
+    assert all(isinstance(each, Advice) and "commanded" in each.text for each in found.values())
+
+
+def test_of_two_numbers_the_one_counts_that_numbers_the_joints() -> None:
+    found = guess([Seen(f"ROB_1 axis {k} position", *SMALL) for k in (1, 2, 3)], ARM, {})
+    assert [each.channel for each in found.values() if isinstance(each, Suggestion)] == ["q.base", "q.upper", "q.fore"]
+
+
+def test_names_that_two_numberings_fit_are_left_open() -> None:
+    found = guess([Seen(f"q_{j}_{k}", *SMALL) for j in range(3) for k in range(3)], ARM, {})
+    assert all(isinstance(each, Advice) for each in found.values())
+
+
+def test_a_second_stamp_is_no_second_topic() -> None:
+    """Of `rostopic echo -p`: the mapping that was drafted held no file at all."""
+    stamps = [Seen(name, 1.7e18, 1.8e18, 1e7) for name in ("%time", "field.header.stamp")]
+    other = [Seen("field.header.seq", 0.0, 9.0, 1.0), *(Seen(f"field.position{k}", *SMALL) for k in range(3))]
+    found = guess([*stamps, *other], ARM, {})
+    assert all(isinstance(found[each.name], Advice) for each in stamps)
+    sure = {name: each for name, each in found.items() if isinstance(each, Suggestion)}
+    assert len(proposal("log.csv", sure)["files"][0]["columns"]) == 3
+
+
+def test_a_time_that_does_not_rise_is_told_what_else_would_do() -> None:
+    stamps = one("header.stamp.nsecs", 0.0, 9.9e8)
+    assert isinstance(stamps, Advice)
+    assert "`rate_hz`" in stamps.text
+    assert "seconds and nanoseconds" in stamps.text

@@ -18,6 +18,7 @@ from exogauge.logs.channels import shorten
 from exogauge.logs.model import Note
 
 RawArray = NDArray[Any]
+UNNAMED = "Name it in the header, or leave it out: no sign at the end of lines, no index (pandas: `index=False`)."
 
 
 @final
@@ -62,7 +63,7 @@ def read_names(table: Table) -> tuple[str, ...]:
     """The column names, after checking that there are some and that each is there once."""
     names = table.names
     faults = [
-        Fault("the column has no name", "unnamed_column", "Name it in the header.", table.file, 0, str(index + 1))
+        Fault("the column has no name", "unnamed_column", UNNAMED, table.file, 0, str(index + 1))
         for index, name in enumerate(names)
         if not name
     ]

@@ -34,6 +34,7 @@ from exogauge.logs.text_head import (
     refuse_lines_before,
     refuse_numeric_header,
 )
+from exogauge.stand_ins import stands_in
 
 _MISSING = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "-"]
 
@@ -53,7 +54,10 @@ class TextTable:
         head_bytes = 1 << 18
         self.file = file
         self._path = path
+        self._widths = set[int]()  # cells of rows that have other than the header
         head, self._packed = unpacked_head(path, file, head_bytes)
+        if other := stands_in(head):
+            raise BadLog(Fault(f"the file is {other[0]}", "stands_in", f"{other[1]}.", file=file))
         self._utf16 = head[:2] in (b"\xff\xfe", b"\xfe\xff")
         text = self._text(head)
         complete = text[: text.rfind("\n")] if len(head) == head_bytes and "\n" in text else text
@@ -116,6 +120,7 @@ class TextTable:
             name: np.empty(self._rows, np.int64 if name in exact else np.float64) for name in index
         }
         rows, ragged = 0, list[Fault]()
+        self._widths = set()
         for batch in self._batches(types, ragged, null_values=_MISSING, decimal_point=self._decimal):
             for name, k in index.items():
                 column = batch.column(batch.schema.get_field_index(str(k)))
@@ -124,8 +129,20 @@ class TextTable:
                 columns[name][rows : rows + batch.num_rows] = column.to_numpy(zero_copy_only=False)
             rows += batch.num_rows
         if ragged:
-            raise BadLog(ragged)
+            raise BadLog(self._header_unlike_rows() if not rows and len(self._widths) == 1 else ragged)
         return {name: values[:rows] for name, values in columns.items()}
+
+    def _header_unlike_rows(self) -> Fault:
+        (cells,) = self._widths
+        return Fault(
+            f"the header names {len(self._names)} columns, and every row has {cells} cells",
+            "header_unlike_rows",
+            "Correct the header: which of its names are there too many, or too few? A name that holds the delimiter "
+            "stands in quotes.",
+            self.file,
+            0,
+            value=shorten(", ".join(self._names)),
+        )
 
     def _find_faults(self, index: dict[str, int]) -> list[Fault]:
         """Cells that are no number, at most `LOGS.most_faults`, with the rows that have too few or too many cells."""
@@ -175,6 +192,7 @@ class TextTable:
         skip = 0 if self.part else self._skip_rows
 
         def on_ragged(row: Any) -> str:
+            self._widths.add(row.actual_columns)
             if len(ragged) < LOGS.most_faults:
                 number = None if row.number is None else row.number - skip + self._first
                 ragged.append(

@@ -18,7 +18,8 @@ from exogauge.criteria.motion_draft import USUAL
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.touching import Pairs
-from exogauge.studies.import_log.robot_draft import draft_robot
+from exogauge.robots.urdf import model_text
+from exogauge.studies.import_log.robot_draft import doubts, draft_robot
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
 
@@ -36,13 +37,15 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
     folder: where meshes are looked for, and beside it. A robot without two feet is bolted down. Raises BadRobot.
     """
     content = yaml.safe_load(draft_robot(urdf, file, "torque"))
+    slips = [f"# ? urdf: {said}" for said in doubts(urdf, file)]
     feet = [sensor["frame"] for sensor in content.pop("ft_sensors", ()) if sensor["role"] == "contact"]
     if len(feet) != 2:
-        return _arm(urdf, content)
+        content, told = _arm(urdf, content)
+        return content, [*told, *slips]
     look = _Look(urdf, folder, content["base_link"], feet)
     look.refuse_lying(file)
     faces = "along" if look.ahead > 0.0 else "against"
-    told = [f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
+    told = [*slips, f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
     soles = [(foot, look.outline(foot)) for foot in look.feet]
     parts, hands = look.arms(told)
     names = [name for name in look.model.names[2:] if not look.beyond(name, hands)]
@@ -64,7 +67,7 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
 
 
 def _arm(urdf: bytes, content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    model = pin.buildModelFromXML(urdf.decode())
+    model = pin.buildModelFromXML(model_text(urdf))
     home = _within(model, [joint["name"] for joint in content["joints"]])
     content["home"] = {name: round(value, 3) for name, value in home.items() if value}
     content["limits"] = {"acceleration": USUAL.arm_acceleration}
@@ -92,7 +95,7 @@ class _Look:
     """The URDF's robot with all joints at zero, on a base of its own."""
 
     def __init__(self, urdf: bytes, folder: Path, base_link: str, feet: list[str]) -> None:
-        self.model = pin.buildModelFromXML(urdf.decode(), pin.JointModelFreeFlyer())
+        self.model = pin.buildModelFromXML(model_text(urdf), pin.JointModelFreeFlyer())
         self.data = self.model.createData()
         self.zero = pin.neutral(self.model)
         pin.framesForwardKinematics(self.model, self.data, self.zero)

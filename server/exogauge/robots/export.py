@@ -18,7 +18,7 @@ from exogauge.robots.consistency import is_physical, violations
 from exogauge.robots.cuts import links_of, pose_in_body
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
-from exogauge.robots.urdf_check import INERTIA_NAMES, numbers, read_urdf
+from exogauge.robots.urdf_check import INERTIA_NAMES, as_utf8, numbers, read_urdf
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def export_urdf(urdf: bytes, tree: RigidTree, phi: Array) -> bytes:
     for body, name in enumerate(tree.bodies):
         if np.any(phi[body]) or np.any(tree.phi[body]):
             replacements |= _body_elements(robot, tree, body, name, phi[body])
-    exported = _splice(urdf, replacements)
+    exported = _splice(as_utf8(urdf), replacements)
     _read_back(exported, tree, phi, robot)
     return exported
 

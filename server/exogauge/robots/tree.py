@@ -66,3 +66,15 @@ class RigidTree:
     def mass(self) -> float:
         """A-priori total mass of the moving bodies [kg]."""
         return float(self.phi[:, 0].sum())
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Joints that move nothing that weighs. Those beyond a contact sensor do not count: what is there weighs 0."""
+        loaded = self.phi[:, 0] > 0.0
+        for link in self.dropped:
+            loaded[self.frames[link][0]] |= self.frames[link][0] >= 0
+        for body in range(len(self.bodies) - 1, -1, -1):
+            if loaded[body] and self.parent[body] >= 0:
+                loaded[self.parent[body]] = True
+        idle = {int(self.dof[body]) for body in np.flatnonzero(~loaded)}
+        return tuple(name for dof, name in enumerate(self.joints) if dof in idle)

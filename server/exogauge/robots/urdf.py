@@ -57,6 +57,14 @@ def load_whole(urdf: bytes, file: str = "robot.urdf") -> RigidTree:
     return load_tree(urdf, joints=joints, base_link=described.root, floating=False, file=file)
 
 
+def model_text(urdf: bytes, file: str = "robot.urdf") -> str:
+    """What pinocchio may read of a URDF under its own names: masses, fixed joints and those that may be driven, with
+    ends. All else (materials, shapes, what simulators add) its parser could stumble over. Raises BadRobot."""
+    described = _Description.of(read_urdf(urdf, file), file)
+    moving = {joint.name for joint in described.joints.values() if joint.kind in MOVING_TYPES and not joint.mimics}
+    return described.reduced(moving, set(), own_names=True)
+
+
 def _beyond(described: _Description, tree: RigidTree, frame: str, base_link: str, dropped: set[str]) -> Beyond:
     near = base_link if tree.floating else described.root
     links, joints = described.carried(frame, near, set(tree.joints))
@@ -231,12 +239,13 @@ class _Description:
         inertial = self.links[link].find("inertial")
         return inertial is not None and _attribute(inertial, "mass", "value") not in ([], [0.0])
 
-    def reduced(self, moving: set[str], dropped: set[str]) -> str:
-        """The URDF anew: links l0, l1 … and joints j0, j1 … with nothing but masses and moving or fixed joints."""
+    def reduced(self, moving: set[str], dropped: set[str], *, own_names: bool = False) -> str:
+        """The URDF anew, with nothing but masses and moving or fixed joints: links l0, l1 … and joints j0, j1 …, or
+        under their own names, which pinocchio takes unless a link is called as a joint is."""
         robot = Element("robot", name="robot")
-        index = {name: str(i) for i, name in enumerate(self.links)}
+        links = {name: name if own_names else f"l{i}" for i, name in enumerate(self.links)}
         for name, link in self.links.items():
-            copy = SubElement(robot, "link", name="l" + index[name])
+            copy = SubElement(robot, "link", name=links[name])
             inertial = link.find("inertial")
             if inertial is None or name in dropped or _attribute(inertial, "mass", "value") == [0.0]:
                 continue
@@ -244,15 +253,17 @@ class _Description:
             _copy(inertial, body, "origin", "xyz", "rpy")
             _copy(inertial, body, "mass", "value")
             _copy(inertial, body, "inertia", *INERTIA_NAMES)
-        for i, joint in enumerate(self.joints.values()):
+        for i, (joint, ends) in enumerate(zip(self.joints.values(), self.limits(self.joints), strict=True)):
             kind = "fixed" if joint.name not in moving else "prismatic" if joint.kind == "prismatic" else "revolute"
-            copy = SubElement(robot, "joint", name=f"j{i}", type=kind)
-            SubElement(copy, "parent", link="l" + index[joint.parent])
-            SubElement(copy, "child", link="l" + index[joint.child])
+            copy = SubElement(robot, "joint", name=joint.name if own_names else f"j{i}", type=kind)
+            SubElement(copy, "parent", link=links[joint.parent])
+            SubElement(copy, "child", link=links[joint.child])
             _copy(joint.element, copy, "origin", "xyz", "rpy")
             if kind != "fixed":
                 _copy(joint.element, copy, "axis", "xyz")
-                SubElement(copy, "limit", lower="-1", upper="1", effort="1", velocity="1")
+                endless = 1e9  # rad, m: for a parser, of a joint without ends
+                low, high = (str(min(max(end, -endless), endless)) for end in ends[:2])
+                SubElement(copy, "limit", lower=low, upper=high, effort="1", velocity="1")
         return tostring(robot, encoding="unicode")
 
     def limits(self, names: Iterable[str]) -> Iterator[tuple[float, float, float, float]]:

@@ -6,6 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, ParseError
 from xml.parsers import expat
 
@@ -17,6 +18,10 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
 from exogauge.remarks import About, Remark
+from exogauge.stand_ins import stands_in
+
+if TYPE_CHECKING:
+    from exogauge.robots.tree import RigidTree
 
 MAX_BYTES = 20_000_000
 MAX_LINKS = 500
@@ -27,8 +32,12 @@ SLIGHT = (
     1e-5  # kg·m²: below, an inertia matters to no motion of a joint (a gram at 10 cm), and how far it misses does not
 )
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
+LATE_DECLARATION = expat.errors.codes[expat.errors.XML_ERROR_MISPLACED_XML_PI]
+BARE = frozenset({"property", "arg", "macro"})  # of xacro: they make no link by themselves
+RESERVED = "universe"  # what pinocchio calls the world
 ROUNDED = 1e-12  # kg·m²: less than that is a zero that was computed
 
+EXPAND = "expand it first: xacro FILE.xacro > robot.urdf"
 JOINT_TYPES = frozenset({"revolute", "continuous", "prismatic", "fixed", "floating", "planar"})
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic"})
 PLACES = {"ixx": (0, 0), "ixy": (0, 1), "iyy": (1, 1), "ixz": (0, 2), "iyz": (1, 2), "izz": (2, 2)}
@@ -90,8 +99,18 @@ def impossible_density(urdf: bytes, file: str, criteria: Examining) -> tuple[Rem
     half = densities[order[int(np.searchsorted(share, 0.5))]]
     if criteria.lightest <= half <= criteria.densest:
         return ()
+    if math.isinf(half):
+        return (Remark(About.NO_EXTENT, beside=(file,), numbers=(sum(masses),)),)
     about = About.TOO_DENSE if half > criteria.densest else About.TOO_LIGHT
     return (Remark(about, beside=(file,), numbers=(sum(masses), half)),)
+
+
+def idle_joints(tree: RigidTree, file: str) -> tuple[Remark, ...]:
+    """Which joints move nothing that weighs. Raises BadRobot where all do: there is nothing to identify from."""
+    if tree.joints and len(tree.idle) == len(tree.joints):
+        raise BadRobot(Fault("nothing that its joints move has a mass", "weightless",
+                             "Give the links an <inertial>: the maker's, or an estimate", file))  # fmt: skip
+    return (Remark(About.MOVES_NOTHING, tree.idle, beside=(file,)),) if tree.idle else ()
 
 
 def numbers(text: str) -> list[float]:
@@ -108,17 +127,57 @@ def _parse(urdf: bytes, file: str) -> Element:
 
     if len(urdf) > MAX_BYTES:
         raise refuse(f"{len(urdf)} bytes, at most {MAX_BYTES} are accepted", "urdf_too_large", "Leave meshes out")
+    urdf = as_utf8(urdf)
+    if other := stands_in(urdf[:1000]):
+        raise refuse(f"is {other[0]}", "stands_in", other[1])
     try:
         robot = _read(urdf)
     except DefusedXmlException:
         raise refuse("holds a DOCTYPE or an entity", "xml_doctype", "Remove it: a URDF needs none") from None
     except (ParseError, ValueError, LookupError) as error:
-        raise refuse(f"is not XML: {error}", "not_xml", "Hand in the URDF itself, not a xacro or an archive") from None
+        raise BadRobot(_not_xml(urdf, error, file)) from None
     if robot.tag != "robot":
         raise refuse(f"its root is <{robot.tag}>, not <robot>", "not_urdf", "Hand in a URDF")
     if robot.find("link") is None:
-        raise refuse("holds no <link>", "no_links", "Expand a xacro first")
+        raise refuse("holds no <link>", "no_links", f"If it is a xacro, {EXPAND}")
+    left = {tag for each in robot if (tag := _of_xacro(each)) and tag not in BARE}
+    if left:
+        raise refuse(f"holds <xacro:{min(left)}>, and what it stands for is not there", "xacro_left", _sentence(EXPAND))
     return robot
+
+
+def as_utf8(urdf: bytes) -> bytes:
+    """Of a file in UTF-16 the same in UTF-8; every other as it is."""
+    if not urdf.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return urdf
+    text = urdf.decode("utf-16", "replace")
+    return re.sub(r"(<\?xml[^>]*?)\s+encoding\s*=\s*(\"[^\"]*\"|'[^']*')", r"\1", text, count=1).encode()
+
+
+def _of_xacro(element: Element) -> str:
+    """Its name, of an element that xacro would have replaced."""
+    space, _, tag = str(element.tag).removeprefix("{").rpartition("}")
+    return tag if "xacro" in space else ""
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _not_xml(urdf: bytes, error: Exception, file: str) -> Fault:
+    advice = "Mend that line: a tag that is not closed, & in place of &amp;, or -- in a comment"
+    try:
+        urdf.decode()
+    except UnicodeDecodeError as bad:
+        line = urdf.count(b"\n", 0, bad.start) + 1
+        advice = f'Line {line} is not UTF-8: save it so, or name its encoding: <?xml version="1.0" encoding="…"?>'
+    if getattr(error, "code", None) == LATE_DECLARATION:
+        advice = "Remove what stands before <?xml …?>, blank lines too"
+    elif not urdf.strip():
+        advice = "It is empty"
+    elif not urdf.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        advice = "Hand in the URDF itself, not an archive"
+    return Fault(f"is not XML: {error}", "not_xml", advice, file)
 
 
 def _read(urdf: bytes) -> Element:
@@ -141,6 +200,10 @@ def _name_faults(kind: str, elements: list[Element], file: str) -> Iterator[Faul
     if count.pop("", 0):
         yield Fault(f"a {kind} has no name", f"{kind}_without_name", file=file)
     for name, times in count.items():
+        if "$" in name and re.search(r"\$[{(]", name):
+            yield Fault(f"the name of {kind} {name!r} is not resolved", "name_not_resolved", _sentence(EXPAND), file)
+        if kind == "joint" and name == RESERVED:
+            yield Fault(f"no joint may be called {name!r}", "name_reserved", "Rename it", file)
         if times > 1:
             yield Fault(f"{kind} {name!r} appears {times} times", f"{kind}_name_twice", "Rename one", file=file)
 
@@ -169,7 +232,8 @@ def _number_faults(
     text = None if element is None else element.get(attribute)
     if text is None:
         if required:
-            yield Fault(f"{what} lacks {attribute}", "number_missing", file=file)
+            yield Fault(f"{what} lacks {attribute}", "number_missing",
+                        "Give it; a frame that weighs nothing has no <inertial> element", file)  # fmt: skip
         return
     try:
         good = len(numbers(text)) == size
@@ -178,8 +242,10 @@ def _number_faults(
     if not good:
         need = "a finite number" if size == 1 else f"{size} finite numbers"
         tag = element.tag if element is not None else ""
-        yield Fault(f"{what}: <{tag}> {attribute} is not {need}", "not_a_number",
-                    "Expand a xacro first" if "$" in text else "", file, value=text[:80])  # fmt: skip
+        commas = "Write a decimal point, and blanks between numbers" if "," in text else ""
+        advice = f"If it is a xacro, {EXPAND}" if "$" in text else commas
+        detail = f"{what.removesuffix(f': <{tag}>')}: <{tag}> {attribute} is not {need}"
+        yield Fault(detail, "not_a_number", advice, file, value=text[:80])
 
 
 def _inertial_faults(link: Element, file: str) -> Iterator[Fault]:
@@ -201,8 +267,8 @@ def _inertial_faults(link: Element, file: str) -> Iterator[Fault]:
     value = float(mass.get("value", ""))
     frame_only = value == 0.0 and not any(float(inertia.get(name, "")) for name in INERTIA_NAMES)
     if value <= 0.0 and not frame_only:
-        yield Fault(f"{what}: the mass must be positive", "mass_not_positive",
-                    "A frame without mass has no <inertial> element", file, value=mass.get("value"))  # fmt: skip
+        advice = "Give the body's mass [kg]; of a frame that weighs nothing take the <inertial> element out"
+        yield Fault(f"{what}: the mass must be positive", "mass_not_positive", advice, file, value=mass.get("value"))
     xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     low, middle, high = np.linalg.eigvalsh(matrix)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.sensor_motion import Chain
 from exogauge.robots.regressor import wrench_columns
-from exogauge.robots.urdf import load_tree
+from exogauge.robots.urdf import load_tree, model_text
 from exogauge.robots.urdf_check import read_urdf
 
 Array = NDArray[np.float64]
@@ -78,16 +78,8 @@ class Arm:
 
         folder: of the meshes. Raises BadStudy, BadRobot.
         """
-        robot = read_urdf(urdf, file)
-        for joint in robot.findall("joint"):
-            if joint.get("type") == "continuous":
-                joint.set("type", "revolute")
-                for limit in joint.findall("limit"):
-                    limit.set("lower", str(-CONTINUOUS))
-                    limit.set("upper", str(CONTINUOUS))
-        text = tostring(robot, encoding="unicode")
-        full = pin.buildModelFromXML(text)
-        shapes = _shapes(full, text, folder, file)
+        full = pin.buildModelFromXML(model_text(urdf, file))
+        shapes = _shapes(full, tostring(read_urdf(urdf, file), encoding="unicode"), folder, file)
         locked = [full.getJointId(name) for name in full.names[1:] if name not in joints]
         model, shapes = pin.buildReducedModel(full, shapes, locked, pin.neutral(full))
         self.joints, self.frame = tuple(joints), _frame(model, frame)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, final
-from xml.etree import ElementTree
 
 import coal
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.moving.segments import Segment
+from exogauge.robots.urdf import model_text
 
 Array = NDArray[np.float64]
 BASE = ("base_x", "base_y", "base_z", "base_yaw", "base_roll", "base_pitch")
@@ -138,14 +138,14 @@ def frame_of(model: pin.Model, link: str) -> int:
     return int(model.getFrameId(LINK + link, pin.FrameType.BODY))
 
 
-def flat_model(urdf: str, joints: Sequence[str], floating: bool) -> pin.Model:
+def flat_model(urdf: bytes, joints: Sequence[str], floating: bool) -> pin.Model:
     """The URDF's robot with the joints held at zero that are not named, on a base of six single joints. A joint without
     ends has an angle as any other.
 
     x, y, z, then turns about z (yaw), x (roll) and y (pitch): the axes of each are constant, so derivatives are exact,
     coordinates add up, and only a robot that lies on its side (roll 90°) is singular.
     """
-    whole = pin.buildModelFromXML(_with_ends(urdf))
+    whole = pin.buildModelFromXML(model_text(urdf))
     for each in whole.frames:
         if each.type == pin.FrameType.BODY:
             each.name = LINK + each.name
@@ -164,17 +164,6 @@ def flat_model(urdf: str, joints: Sequence[str], floating: bool) -> pin.Model:
         last = base.addJoint(last, kind, pin.SE3.Identity(), name)
     frame = base.addFrame(pin.Frame("base", last, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
     return pin.appendModel(base, model, frame, pin.SE3.Identity())
-
-
-def _with_ends(urdf: str) -> str:
-    """Continuous joints as revolute ones, whose ends nobody asks for."""
-    root = ElementTree.fromstring(urdf)
-    for joint in root.findall("joint[@type='continuous']"):
-        joint.set("type", "revolute")
-        limit = joint.find("limit")
-        limit = ElementTree.SubElement(joint, "limit", effort="0", velocity="0") if limit is None else limit
-        limit.attrib |= {"lower": "-1e9", "upper": "1e9"}
-    return ElementTree.tostring(root, encoding="unicode")
 
 
 Kind = Literal["box", "sphere", "cylinder", "capsule", "hull"]

@@ -21,6 +21,7 @@ from exogauge.logs.units import STANDARD_GRAVITY, dimensions_of, find_unit
 from exogauge.studies.import_log.column_words import (
     FILLERS,
     KIND_OF,
+    OF_TOOL,
     OTHER,
     SI,
     UNKNOWN,
@@ -42,6 +43,12 @@ RATES_HZ = (5.0, 20_000.0)  # of logs
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 OF_JOINTS = ("q", "dq", "ddq", "i", "tau", "temp")
+NO_RISE = (
+    "It is called a time but does not rise in every row, as a coarse, missing or wrapped stamp does: choose another, "
+    "or list it under `ignore` and give `rate_hz`."
+)
+OWN_NAME = "the contract's own name, in its own unit"
+IN_TWO = " Of seconds and nanoseconds in two columns write the sum into one."
 COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
 
 
@@ -49,7 +56,32 @@ def guess(columns: Sequence[Seen], wearer: Wearer, norms: Mapping[str, float]) -
     """By column name. norms: name -> median size of the vector that the column belongs to, where it belongs to one."""
     numbered = _numbered(columns, wearer)
     found = {column.name: _one(column, wearer, numbered, norms) for column in columns}
-    return _without_doubles(found)
+    return _without_doubles(_of_one_unit(columns, found, wearer))
+
+
+def _of_one_unit(
+    columns: Sequence[Seen], found: Mapping[str, Suggestion | Advice], wearer: Wearer
+) -> dict[str, Suggestion | Advice]:
+    """A file writes one quantity of its joints in one unit: what the largest needs holds for all that name none."""
+    needed = dict[str, str]()
+    guessed = dict[str, tuple[Seen, str]]()
+    for column in columns:
+        each = found[column.name]
+        if isinstance(each, Suggestion) and words_of(column.name).unit is None and each.why != OWN_NAME:
+            kind: str = parse_channel(each.channel).kind
+            if kind in OTHER and parse_channel(each.channel).of_joint:
+                guessed[column.name] = column, kind
+                if each.unit == OTHER[kind]:
+                    needed[kind] = each.unit
+    changed = dict(found)
+    for name, (column, kind) in guessed.items():
+        each, unit = found[name], needed.get(kind)
+        assert isinstance(each, Suggestion)
+        facts = _facts(parse_channel(each.channel).subject, wearer) if each.side == "joint" else None
+        if unit is not None and each.unit != unit and _fits(column, kind, unit, each.sign, facts):
+            why = f"{each.why.partition(';')[0]}; {unit} as others of these columns"
+            changed[name] = replace(each, unit=unit, sure=False, why=why)
+    return changed
 
 
 def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mapping[str, float]) -> Suggestion | Advice:
@@ -68,7 +100,9 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
     if named is not None and kinds == ("acc",):
         return joint_column(column, "ddq", named[0], words, wearer, "an acceleration of the joint", sure=False)
     kind = kinds[0] if len(kinds) == 1 else _by_unit(words, [token for token in rest if not token.isdecimal()])
-    if column.name in numbered and kind in OF_JOINTS:  # before `ax1`, of axis 1, is taken for an accelerometer's x
+    if (
+        column.name in numbered and kind in OF_JOINTS and not OF_TOOL.intersection(rest)
+    ):  # before `ax1`, of axis 1, is taken for an accelerometer's x
         why = "joints are numbered in the robot's order: check that the log has the same"
         return joint_column(column, kind, numbered[column.name], words, wearer, why, sure=False)
     if (body := body_column(column, words, kinds, wearer, norms)) is not None:
@@ -105,14 +139,12 @@ def _contract(name: str, wearer: Wearer) -> Suggestion | None:
         return None  # many a file calls milliseconds so: the steps tell
     if channel.of_joint and wearer.joints is not None and channel.subject not in [each.name for each in wearer.joints]:
         return None
-    return Suggestion(name, channel.unit, sure=True, why="the contract's own name, in its own unit")
+    return Suggestion(name, channel.unit, sure=True, why=OWN_NAME)
 
 
 def _time(column: Seen, words: Words) -> Suggestion | Advice:
     if column.step is None:
-        return Advice(
-            "It is called a time but does not rise from row to row; choose another, or list it under `ignore`."
-        )
+        return Advice(NO_RISE + (IN_TWO if words.unit in ("s", "ns") else ""))
     unit = words.unit if words.unit in SECONDS else None
     if unit is not None:
         return Suggestion("t", unit, sure=True, why=f"the name says time in {unit}")
@@ -151,12 +183,11 @@ def _numbered(columns: Sequence[Seen], wearer: Wearer) -> dict[str, str]:
     series: dict[tuple[str, ...], dict[int, str]] = {}
     for column in columns:
         tokens = words_of(column.name).tokens
-        numbers = [token for token in tokens if token.isdecimal()]
-        if len(numbers) == 1:
-            stem = tuple(token for token in tokens if not token.isdecimal())
-            series.setdefault(stem, {})[int(numbers[0])] = column.name
+        for k, token in enumerate(tokens):
+            if token.isdecimal():  # of several numbers the one that counts: `ROB_1 axis 3`
+                series.setdefault((*tokens[:k], "#", *tokens[k + 1 :]), {})[int(token)] = column.name
     joints = wearer.joints or ()
-    found: dict[str, str] = {}
+    found: dict[str, list[str]] = {}
     for members in series.values():
         places = sorted(members)
         if (
@@ -164,8 +195,9 @@ def _numbered(columns: Sequence[Seen], wearer: Wearer) -> dict[str, str]:
             and len(places) == len(joints)
             and places in (list(range(len(joints))), list(range(1, len(joints) + 1)))
         ):
-            found |= {members[place]: joint.name for place, joint in zip(places, joints, strict=True)}
-    return found
+            for place, joint in zip(places, joints, strict=True):
+                found.setdefault(members[place], []).append(joint.name)
+    return {name: joint for name, (joint, *others) in found.items() if not others}
 
 
 def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Suggestion | Advice]:
@@ -174,7 +206,14 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
     for name, each in found.items():
         if isinstance(each, Suggestion):
             topic = name.removesuffix("stamp")  # of a bag, where each has a clock of its own
-            own_clock = each.channel == "t" and topic != name and sum(other.startswith(topic) for other in found) > 1
+            own_clock = (
+                each.channel == "t"
+                and topic != name
+                and any(
+                    other.startswith(topic) and isinstance(what, Suggestion) and what.channel != "t"
+                    for other, what in found.items()
+                )
+            )
             claims.setdefault(name if own_clock else each.channel, []).append(name)
     doubled = {name: names for names in claims.values() if len(names) > 1 for name in names}
 

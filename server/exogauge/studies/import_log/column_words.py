@@ -37,7 +37,12 @@ COMMANDED = {
     "goal",
     "setpoint",
     "planned",
+    "cmptd",
+    "computed",
+    "requested",
+    "action",
 }
+OF_TOOL = {"tcp", "tool", "ee", "eef", "cartesian", "pose"}  # six numbers of it are no joints'
 FILLERS = {
     "axis", "axes", "ax", "joint", "joints", "jnt", "j",
     "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
@@ -72,7 +77,10 @@ class Words:
 
     @property
     def commanded(self) -> bool:
-        return bool(COMMANDED & set(self.tokens))
+        """By a word; or by a `d` behind the quantity: `tau_J_d`, `q_d[3]`."""
+        bare = [token for token in self.tokens if not token.isdecimal()]
+        desired = bare[-1:] == ["d"] and any(token in KIND_OF for token in bare[:-1])
+        return desired or bool(COMMANDED & set(bare))
 
     @property
     def motor_side(self) -> bool:

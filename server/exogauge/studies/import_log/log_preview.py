@@ -7,6 +7,7 @@ A mapping.yaml drafted by looking at the files: what is suggested, and as commen
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -33,6 +34,7 @@ from exogauge.studies.import_log.column_words import (
     Wearer,
     axis_in,
     kinds_in,
+    known_unit,
     words_of,
 )
 
@@ -195,9 +197,21 @@ def _column(name: str, values: RawArray, found: Suggestion | Advice | None) -> d
 
 def _text_column(fault: Fault) -> dict[str, Any]:
     place = f" (row {fault.row}: {fault.value})" if fault.row is not None else ""
-    advice = f"It holds text{place}, which no channel is made of: list it under `ignore`, or correct the cell."
+    advice = f"It holds text{place}, which no channel is made of: {_of_text(str(fault.value or ''))}."
     empty: dict[str, Any] = {"shape": [], "min": None, "max": None, "missing": 0, "samples": [], "suggestion": None}
     return {"name": "", "dtype": "text", "advice": advice, **empty}
+
+
+def _of_text(cell: str) -> str:
+    """What to do about a cell that is no number, by what it looks like."""
+    bare = cell.strip().strip("[]() ")
+    if re.search(r"^\s*(array)?[(\[].*\d.*,", cell):
+        return "write each value of the list into a column of its own"
+    if known_unit(bare) is not None:
+        return "take the line of units out, and write them behind the names, such as `q1 [rad]`"
+    if re.match(r"\d+[-/:]\d+[-/:]\d", bare):
+        return "write a date or time of day in seconds, or list it under `ignore` and give `rate_hz`"
+    return "list it under `ignore`, or correct the cell"
 
 
 def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:

@@ -13,8 +13,10 @@ from xml.etree.ElementTree import Element
 
 import yaml
 
+from exogauge.criteria.examining import Examining
 from exogauge.errors import BadRobot, Fault
-from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf
+from exogauge.robots.urdf_check import MOVING_TYPES, idle_joints, impossible_density, raised_inertias, read_urdf
+from exogauge.studies.words.remark_words import sentence
 
 HEAD = "# Drafted from the URDF. Check what is marked ?; fill in what is marked !."
 IMU = re.compile(r"imu|inertial|accel", re.I)
@@ -74,12 +76,26 @@ def draft_robot(urdf: bytes, file: str, actuation: str = "current") -> str:
     sensors = [*_contacts(tree, feet, told), *_inside(tree, told)]
     if actuation == "current":
         told.append("# ! joints: k_T is the joint's torque per ampere [N·m/A], from data sheet and gear; 0 is refused")
+    told += [f"# ? urdf: {said}" for said in doubts(urdf, file)]
     beside = {"prior": {"k_T": 0}} if actuation == "current" else {}
     joints = [{"name": name, "actuation": actuation, **beside} for name in tree.moving]
     lines = [f"{key}: {_line(value)}" for key, value in content.items()]
     for name, entries in (("ft_sensors", sensors), ("joints", joints)):
         lines += [f"{name}:", *(f"  - {_line(each)}" for each in entries)] if entries else []
     return "\n".join([*told, *lines, ""])
+
+
+def doubts(urdf: bytes, file: str) -> list[str]:
+    """What looks like a slip in the URDF itself: units, inertias that no body has, links without mass."""
+    from exogauge.robots.urdf import load_whole  # it computes, and the service that reads drafts does not
+
+    tree = load_whole(urdf, file)
+    remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, Examining())]
+    try:
+        remarks += idle_joints(tree, file)
+    except BadRobot as bad:
+        return [*map(sentence, remarks), *(f"{fault.detail}. {fault.advice}" for fault in bad.faults)]
+    return [sentence(each) for each in remarks]
 
 
 def _line(value: object) -> str:

@@ -35,7 +35,7 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     """entry: as `path`, robot.yaml, has it; meshes are looked for below its folder, and `beside` it as `mesh_opener`
     says. Raises BadRobot, with the key that is at fault."""
     names, tree = [joint.name for joint in entry.joints], robot.tree
-    model = flat_model(urdf.decode(), names, robot.floating)
+    model = flat_model(urdf, names, robot.floating)
     base = 6 if robot.floating else 0
     joints = tuple(list(model.names)[1 + base :])
     order = [tree.joints.index(name) for name in joints]

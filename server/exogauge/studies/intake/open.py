@@ -21,7 +21,7 @@ from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
-from exogauge.robots.urdf_check import impossible_density, raised_inertias
+from exogauge.robots.urdf_check import idle_joints, impossible_density, raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.intake.read_log import read_entries
@@ -138,6 +138,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         notices=(
             *map(notice, raised_inertias(urdf, robot_file.urdf)),
             *map(notice, impossible_density(urdf, robot_file.urdf, settings.criteria.doctor)),
+            *map(notice, idle_joints(robot.tree, robot_file.urdf)),
             *worn.notices,
             *map(notice, session.remarks),
         ),

@@ -39,6 +39,14 @@ FORMS: Mapping[About, Form] = {
         "{beside}: its links weigh {0:.4g} kg, and by their inertias half of that is lighter than {1:.2g} kg/m³: no "
         "robot is. Masses are in kg and inertias in kg·m²: were the inertias written in kg·mm² or g·mm²?"
     ),
+    About.NO_EXTENT: Form(
+        "{beside}: its links weigh {0:.4g} kg, and half of that has an inertia of zero along some axis, which no body "
+        "has: give those of the maker, or of a box of the link's size."
+    ),
+    About.MOVES_NOTHING: Form(
+        "{beside}: nothing that weighs hangs on {names}. Masses are found from those of the URDF on: give the links "
+        "that these joints move an <inertial>, an estimate will do."
+    ),
     About.FACTOR_OPEN: Form(
         "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
         "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load "
