@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from tests.motion.captures import bow, bvh
+from scipy.spatial.transform import Rotation
+from tests.motion.captures import BONES, ENDS, bow, bvh, written_order
 
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
+from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.possible import nearest
@@ -109,3 +111,57 @@ def test_a_person_is_as_tall_however_the_file_rests(tmp_path: Path, thigh: str, 
     other = bvh(bow()).replace(b"OFFSET 0 -43 0", f"OFFSET {thigh}".encode())
     (tmp_path / "rests.bvh").write_bytes(other.replace(b"OFFSET 0 -42 0", f"OFFSET {shank}".encode()))
     assert person_of(open_motion(tmp_path / "rests.bvh", up="y", unit="cm")).hip_height == pytest.approx(0.85, abs=1e-4)
+
+
+def _along_bones(flexion: np.ndarray, yaw_deg: float) -> str:
+    """The person of `captures` who bows, turned about the vertical, with bones whose own x runs along them, as Rokoko
+    writes: with all angles at zero they are no posture."""
+    own = {name: np.eye(3) for name, _, _ in BONES}
+    for name, parent, _ in BONES:
+        child = next((offset for _, of, offset in BONES if of == name), ENDS.get(name))
+        if parent is not None and child is not None:
+            x = np.array(child) / np.linalg.norm(child)
+            z = np.cross(x, [0.0, 0.0, 1.0] if abs(x[2]) < 0.9 else [1.0, 0.0, 0.0])
+            z /= np.linalg.norm(z)
+            own[name] = np.stack([x, np.cross(z, x), z], axis=1) @ Rotation.from_euler("x", 0.4).as_matrix()
+    lines = bvh(flexion).decode().split("\n")
+    begin, name = lines.index("MOTION"), ""
+    for k, line in enumerate(lines[:begin]):
+        words = line.split()
+        if words and words[0] in ("ROOT", "JOINT", "End"):
+            of = next((parent for each, parent, _ in BONES if each == words[1]), None)
+            name = name if words[0] == "End" else words[1]
+            into = own[name if words[0] == "End" else of] if of is not None or words[0] == "End" else np.eye(3)
+        elif words and words[0] == "OFFSET":
+            lines[k] = "OFFSET " + " ".join(f"{x:.9f}" for x in np.array(words[1:], dtype=float) @ into)
+    order = written_order()
+    for k in range(begin + 3, len(lines) - 1):
+        row = np.array(lines[k].split(), dtype=float)
+        for j, each in enumerate(order):
+            parent = next(parent for other, parent, _ in BONES if other == each)
+            turn = Rotation.from_euler("ZXY", row[3 + 3 * j : 6 + 3 * j], degrees=True)
+            if parent is None:
+                turn = Rotation.from_euler("Y", yaw_deg, degrees=True) * turn
+            before = np.eye(3) if parent is None else own[parent]
+            local = before.T @ turn.as_matrix() @ own[each]
+            row[3 + 3 * j : 6 + 3 * j] = Rotation.from_matrix(local).as_euler("ZXY", degrees=True)
+        lines[k] = " ".join(f"{x:.9f}" for x in row)
+    return "\n".join(lines)
+
+
+def test_bones_that_are_no_posture_at_rest_are_read_by_what_they_carry(tmp_path: Path) -> None:
+    """A trunk that stood was fitted as if it lay, and retargeting refused what Rokoko writes."""
+    (tmp_path / "a.bvh").write_text(_along_bones(bow(30.0), 40.0))
+    (tmp_path / "b.bvh").write_bytes(bvh(bow(30.0)))
+    motion = open_motion(tmp_path / "a.bvh")
+    person, other = person_of(motion), person_of(open_motion(tmp_path / "b.bvh"))
+    assert np.degrees(np.arctan2(person.trunk[:, 0, 2], person.trunk[:, 2, 2])) == pytest.approx(bow(30.0), abs=1e-4)
+    assert person.trunk == pytest.approx(other.trunk, abs=1e-5)
+    about = Rotation.from_euler("z", 40.0, degrees=True).as_matrix()
+    assert person.turn == pytest.approx(about @ other.turn, abs=1e-5)
+    assert person.limbs["l_upper_arm"] == pytest.approx(other.limbs["l_upper_arm"], abs=1e-5)
+    fit = fit_human(motion)
+    assert np.degrees(fit.q[:, fit.body.index("trunk_flexion")]) == pytest.approx(bow(30.0), abs=0.5)
+    with pytest.raises(BadMotion) as refused:
+        person_of(open_motion(tmp_path / "a.bvh", up="z"))
+    assert refused.value.faults[0].rule == "not_upright"

@@ -27,8 +27,8 @@ from exogauge.support.settings import SupportSettings
 
 SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
 DECLARED = Declared(
-    ft_gain=0.01, ft_gain_common=0.01, ft_zero_force=2.0, ft_zero_moment=0.2, kt_drift=0.01, viscous_drift=0.1,
-    coulomb_drift=0.05, imu_tilt=0.009,
+    ft_gain=0.01, ft_gain_common=0.01, ft_tilt=0.005, ft_zero_force=2.0, ft_zero_moment=0.2, kt_drift=0.01,
+    viscous_drift=0.1, coulomb_drift=0.05, imu_tilt=0.009,
 )  # fmt: skip
 EVERY = np.arange(6)
 FORCES = [f"f{axis}" for axis in "xyz"] + [f"m{axis}" for axis in "xyz"]
@@ -70,6 +70,20 @@ def more_force(sensors, share) -> Spoil:
     return spoil
 
 
+def askew(sensor, axis, angle) -> Spoil:
+    """A foot's sensor stands turned by the angle, so that it reads w + δ × w of what acts on it."""
+
+    def spoil(log):
+        channels = {}
+        for kind in "fm":
+            acts = log.stack([f"ft.{sensor}.{kind}{each}" for each in "xyz"])
+            reads = acts + np.cross(angle * np.eye(3)["xyz".index(axis)], acts)
+            channels |= {f"ft.{sensor}.{kind}{each}": reads[:, k] for k, each in enumerate("xyz")}
+        return changed(log, channels)
+
+    return spoil
+
+
 def tilted(biped, axis, angle) -> Spoil:
     """The IMU stands turned by the angle, so that f = read + δ × read in the base."""
 
@@ -88,6 +102,11 @@ CASES = {
     "ft_gain_common": lambda biped, size: more_force([each.name for each in biped.robot.contacts], size),
     "ft_gain.l_foot": lambda biped, size: more_force(["l_foot"], size),
     "ft_gain.r_foot": lambda biped, size: more_force(["r_foot"], size),
+    **{
+        f"ft_tilt.{sensor}.{axis}": lambda biped, size, sensor=sensor, axis=axis: askew(sensor, axis, size)
+        for sensor in ("l_foot", "r_foot")
+        for axis in "xyz"
+    },
     "imu_tilt.x": lambda biped, size: tilted(biped, 0, size),
     "imu_tilt.y": lambda biped, size: tilted(biped, 1, size),
 }

@@ -170,6 +170,9 @@ class Declaring:
         0.01, "1", "of all force/torque sensors alike: the weight or bench that they were calibrated with",
         judgement(USUAL),
     )  # fmt: skip
+    ft_tilt: float = criterion(
+        0.0035, "rad", "a fifth of a degree about each axis, of a sensor bolted between flanges", judgement(USUAL)
+    )
     ft_zero_force: float = criterion(2.0, "N", "zero of a force that was not taken anew before a log", judgement(USUAL))
     ft_zero_moment: float = criterion(0.2, "N·m", "the same of a moment, at a tenth of a metre", judgement(USUAL))
     kt_drift: float = criterion(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -25,7 +25,7 @@ from exogauge.side_by_side import each as side_by_side
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-COMMON_GAIN, GAIN, ZERO, TILT = "ft_gain_common", "ft_gain", "ft_zero", "imu_tilt"
+COMMON_GAIN, GAIN, SENSOR_TILT, ZERO, TILT = "ft_gain_common", "ft_gain", "ft_tilt", "ft_zero", "imu_tilt"
 DRIFTS = {"kt_drift": "motor_gain", "viscous_drift": "viscous", "coulomb_drift": "coulomb"}  # whose coefficient goes
 
 
@@ -46,6 +46,7 @@ def common_inputs(robot: Robot) -> tuple[tuple[str, ...], Array]:
     if sensors:
         found.append((COMMON_GAIN, declared.ft_gain_common))
     found += [(f"{GAIN}.{name}", declared.ft_gain) for name in sensors]
+    found += [(f"{SENSOR_TILT}.{name}.{axis}", declared.ft_tilt) for name in sensors for axis in "xyz"]
     if robot.floating:
         found += [(f"{TILT}.{axis}", declared.imu_tilt) for axis in "xy"]
     live = [(name, std) for name, std in found if std > 0.0]
@@ -59,24 +60,32 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
     names = common_inputs(robot)[0]
     columns = np.zeros((len(at), len(names), len(told)))
     outside = {COMMON_GAIN: np.zeros((len(at), len(told)))}
-    for number, sensor in enumerate(robot.contacts):
-        alone = np.zeros_like(prepared.wrenches[at])
-        alone[:, number] = prepared.wrenches[at, number]
-        own = np.zeros((len(at), len(told)))
-        own[:, : told.axes.stop] = equations.acting(prepared, alone, at)
-        outside[f"{GAIN}.{sensor.name}"] = own
+    for sensor, read, acts in _sensors(equations, prepared, at):
+        outside[f"{GAIN}.{sensor}"] = own = np.einsum("nc,ncr->nr", read, acts)
         outside[COMMON_GAIN] += own
-    for number, sensor in enumerate(robot.cuts):
-        own = np.zeros((len(at), len(told)))
-        own[:, told.axes.stop + 6 * number : told.axes.stop + 6 * number + 6] = prepared.carried[at, number]
-        outside[f"{GAIN}.{sensor.name}"] = own
-        outside[COMMON_GAIN] += own
+        for axis, about in zip("xyz", np.eye(3), strict=True):
+            turned_read = np.cross(about, read.reshape(-1, 2, 3)).reshape(-1, 6)
+            outside[f"{SENSOR_TILT}.{sensor}.{axis}"] = np.einsum("nc,ncr->nr", turned_read, acts)
     for place, name in enumerate(names):
         if name in outside:  # y holds too much of it
             columns[:, place] = -outside[name]
         else:
             columns[:, place] = _tilted(equations, prepared, "xyz".index(name[-1]), cutoff_hz, phi)[at]
     return columns
+
+
+def _sensors(equations: Equations, prepared: Prepared, at: IntArray) -> Iterator[tuple[str, Array, Array]]:
+    """Name of each, what it reads (n, 6), and (n, 6, told rows) one newton and one newton metre of each component."""
+    told = equations.layout.told
+    for number, contact in enumerate(equations.robot.contacts):
+        acts = np.zeros((len(at), 6, len(told)))
+        acts[:, :, : told.axes.stop] = equations.acting_components(prepared, number, at)
+        yield contact.name, prepared.wrenches[at, number], acts
+    for number, cut in enumerate(equations.robot.cuts):
+        first = told.axes.stop + 6 * number
+        acts = np.zeros((len(at), 6, len(told)))
+        acts[:, range(6), range(first, first + 6)] = 1.0
+        yield cut.name, prepared.carried[at, number], acts
 
 
 def _tilted(equations: Equations, prepared: Prepared, axis: int, cutoff_hz: float, phi: Array) -> Array:

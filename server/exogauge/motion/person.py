@@ -22,6 +22,13 @@ Array = NDArray[np.float64]
 LIMBS: tuple[tuple[Segment, Segment], ...] = (
     ("l_upper_arm", "l_forearm"), ("l_forearm", "l_hand"), ("r_upper_arm", "r_forearm"), ("r_forearm", "r_hand"),
 )  # fmt: skip
+PARTS: tuple[Segment, ...] = ("pelvis", "thorax", "head")
+BESIDE: tuple[tuple[Segment, Segment, int], ...] = (  # at rest the head lies above the chest, arms on its sides
+    ("thorax", "head", 2), ("r_upper_arm", "l_upper_arm", 1),
+)  # fmt: skip
+CARRIED: Mapping[Segment, tuple[Segment, Segment, Segment]] = {  # on the left, on the right, above
+    "pelvis": ("l_thigh", "r_thigh", "thorax"), "thorax": ("l_upper_arm", "r_upper_arm", "head"),
+}  # fmt: skip
 
 
 @final
@@ -103,7 +110,7 @@ def person_of(motion: HumanMotion) -> Person:
     tree = motion.tree
     if tree is None:
         raise _fault(motion, "the motion has no skeleton", "no_skeleton", "Fit a body to its markers first")
-    bones = _bones(tree)
+    bones = bones_of(tree)
     needed: tuple[Segment, ...] = ("pelvis", "thorax", "l_thigh", "r_thigh", "l_foot", "r_foot")
     lost = [part for part in needed if part not in bones]
     if lost:
@@ -115,11 +122,9 @@ def person_of(motion: HumanMotion) -> Person:
         )
     rest = tree.rest_position
     height = float(np.mean([_leg(rest, bones, side) for side in ("l", "r")]))
-    axes = _axes(motion, tree, bones)
+    axes = axes_of(motion, tree, bones)
     refuse_exchanged(motion)
-    pelvis, thorax = (
-        tree.rotation[:, bones[part]] @ tree.rest_rotation[bones[part]].T @ axes for part in ("pelvis", "thorax")
-    )
+    pelvis, thorax = (tree.rotation[:, bones[part]] @ axes[part] for part in PARTS[:2])
     limbs = {}
     for part, beyond in LIMBS:
         if part in bones and beyond in bones:
@@ -133,9 +138,10 @@ def person_of(motion: HumanMotion) -> Person:
     )  # fmt: skip
 
 
-def _axes(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) -> Array:
-    """(3, 3) ahead, left and up of the body in the rest posture. Where that lies, as where each bone's x runs along the
-    bone, up is along the trunk, if the motion itself stands so. Raises BadMotion."""
+def axes_of(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) -> dict[Segment, Array]:
+    """(3, 3) ahead, left and up of the body in the own axes of pelvis, thorax and head, as the rest posture has them.
+    Where that lies, up is along the trunk, if the motion itself stands so; where it is no posture, as where each bone's
+    x runs along it, they are by what the bones carry. Raises BadMotion."""
     rest, up = tree.rest_position, np.array([0.0, 0.0, 1.0])
     left, trunk = rest[bones["l_thigh"]] - rest[bones["r_thigh"]], rest[bones["thorax"]] - rest[bones["pelvis"]]
     left, trunk = left / np.linalg.norm(left), trunk / np.linalg.norm(trunk)
@@ -143,9 +149,44 @@ def _axes(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) ->
         turned = tree.rotation[:, bones["pelvis"]] @ tree.rest_rotation[bones["pelvis"]].T
         stands = np.median(turned @ trunk, axis=0)[2] > USUAL.level > abs(np.median(turned @ left, axis=0)[2])
         if abs(left @ trunk) > USUAL.level or not stands:
-            raise _fault(motion, "the hips are not side by side below the chest, at rest or later", "not_upright",
-                         "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
+            return _by_children(motion, tree, bones)
         up = trunk - (trunk @ left) * left
+    axes = _frame(left, up)
+    for part, to, axis in BESIDE:
+        if part in bones and to in bones:
+            way = rest[bones[to]] - rest[bones[part]]
+            if way @ axes[:, axis] < USUAL.level * np.linalg.norm(way):
+                return _by_children(motion, tree, bones)
+    return {part: tree.rest_rotation[bones[part]].T @ axes for part in PARTS if part in bones}
+
+
+def _by_children(motion: HumanMotion, tree: JointTree, bones: Mapping[Segment, int]) -> dict[Segment, Array]:
+    """Of pelvis and thorax, where no rest posture says it: left between the bones that lead to both limbs, up to the
+    bone that leads to what is above. Raises BadMotion where there are none, or where the pelvis then is not upright."""
+    found = dict[Segment, Array]()
+    for part, carried in CARRIED.items():
+        at = bones[part]
+        led = [_towards(tree, at, bones.get(to)) for to in carried]
+        if None not in led:
+            to_l, to_r, up = ((tree.rest_position[k] - tree.rest_position[at]) @ tree.rest_rotation[at] for k in led)
+            left = to_l - to_r
+            if abs(left @ up) < USUAL.level * np.linalg.norm(left) * np.linalg.norm(up):
+                found[part] = _frame(left, up)
+    if len(found) < 2 or np.median((tree.rotation[:, bones["pelvis"]] @ found["pelvis"])[:, 2, 2]) < USUAL.level:
+        raise _fault(motion, "the hips are not side by side below the chest, at rest or later", "not_upright",
+                     "Say which axis points up (--up), or export it with a rest pose that stands")  # fmt: skip
+    return found
+
+
+def _towards(tree: JointTree, at: int, bone: int | None) -> int | None:
+    """The bone next to `at` on the way to `bone`."""
+    while bone is not None and bone >= 0 and tree.parent[bone] != at:
+        bone = int(tree.parent[bone])
+    return None if bone is None or bone < 0 else bone
+
+
+def _frame(left: Array, up: Array) -> Array:
+    """(3, 3) ahead, left, up; what of left lies along up does not count."""
     left = left - (left @ up) * up / (up @ up)
     left, up = left / np.linalg.norm(left), up / np.linalg.norm(up)
     return np.stack([np.cross(left, up), left, up], axis=1)
@@ -165,7 +206,7 @@ def person_of_fit(fit: HumanFit, contacts: Contacts | None = None) -> Person:
                   np.stack([place["l_foot"], place["r_foot"]], axis=1))  # fmt: skip
 
 
-def _bones(tree: JointTree) -> dict[Segment, int]:
+def bones_of(tree: JointTree) -> dict[Segment, int]:
     """Of every part of the body, the bone nearest to the root."""
     found: dict[Segment, int] = {}
     for k, name in enumerate(tree.names):

@@ -63,9 +63,10 @@ class Declared:
     """Standard uncertainties, one standard deviation each; 0: known, or left out of the budget.
 
     ft_gain: share by which one force/torque sensor reads too much, each for itself; ft_gain_common: all of them alike,
-    as after one calibration. ft_zero_force [N], ft_zero_moment [N·m]: zero of one component, another in each log.
-    kt_drift: share by which a motor gives more than k_T i, another in each log and joint; viscous_drift, coulomb_drift:
-    by which it has more of that friction, the same. imu_tilt [rad]: of the IMU's mounting, about each axis across.
+    as after one calibration. ft_tilt [rad]: how one stands beside its frame, about each axis. ft_zero_force [N],
+    ft_zero_moment [N·m]: zero of one component, another in each log. kt_drift: share by which a motor gives more than
+    k_T i, another in each log and joint; viscous_drift, coulomb_drift: by which it has more of that friction, the same.
+    imu_tilt [rad]: of the IMU's mounting, about each axis across.
     zeros_taken_once: zeros of force/torque sensors were taken as the session began, and what is declared is how far
     they drift until its end. torque_zero [N·m, N where it slides]: a constant of a joint's torque, another in each
     log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint -> what is stated of it alone.
@@ -74,6 +75,7 @@ class Declared:
 
     ft_gain: float = 0.0
     ft_gain_common: float = 0.0
+    ft_tilt: float = 0.0
     ft_zero_force: float = 0.0
     ft_zero_moment: float = 0.0
     kt_drift: float = 0.0

@@ -28,6 +28,7 @@ from exogauge.motion.fit.body import (
 from exogauge.motion.fit.kinematics import Points
 from exogauge.motion.fit.places import place_of
 from exogauge.motion.human import HumanMotion, JointTree
+from exogauge.motion.person import axes_of, bones_of
 from exogauge.robots.moving.segments import SEGMENTS, Segment
 
 Array = NDArray[np.float64]
@@ -99,7 +100,7 @@ def standing(observed: Observed, body: HumanBody, criteria: MotionFit) -> Observ
 
 def _of_tree(motion: HumanMotion, tree: JointTree, body: HumanBody, criteria: MotionFit) -> Observed:
     """Joint centres as points; pelvis, trunk and head turn as their bones do against the rest posture."""
-    bone = {part: tree.names.index(name) for name, part in reversed(list(tree.segment.items()))}
+    bone = bones_of(tree)
     lost = [part for part in ("pelvis", "thorax", "l_thigh", "r_thigh") if part not in bone]
     if lost:
         raise _fault(motion, f"the skeleton has no bone known as {', '.join(lost)}", "no_such_bone",
@@ -136,11 +137,7 @@ def _of_tree(motion: HumanMotion, tree: JointTree, body: HumanBody, criteria: Mo
     observed = _observed(body, labels, tuple(segment), nominal, np.stack(where, axis=1), np.array(sd),
                          np.ones(len(labels), dtype=bool))  # fmt: skip
     mean, weight = observed.mean, observed.weight
-    left = tree.rest_position[bone["l_thigh"]] - tree.rest_position[bone["r_thigh"]]
-    left = left * [1.0, 1.0, 0.0] / np.linalg.norm(left[:2])
-    ahead = np.stack([np.cross(left, [0.0, 0.0, 1.0]), left, [0.0, 0.0, 1.0]], axis=1)  # R_world_body at rest
-    turned = {part: tree.rotation[:, bone[part]] @ tree.rest_rotation[bone[part]].T @ ahead
-              for part in ("pelvis", "thorax", "head") if part in bone}  # fmt: skip
+    turned = {part: tree.rotation[:, bone[part]] @ own for part, own in axes_of(motion, tree, bone).items()}
     stated = [(PELVIS[3:], "ZXY", turned["pelvis"]), (TRUNK, "YXZ", _inverse(turned["pelvis"]) @ turned["thorax"])]
     if "head" in turned:
         stated.append((HEAD, "YXZ", _inverse(turned["thorax"]) @ turned["head"]))

@@ -281,6 +281,7 @@ class RobotUncertainty(_Part):
 
     ft_gain: NotNegative | None = None
     ft_gain_common: NotNegative | None = None
+    ft_tilt: NotNegative | None = None
     ft_zero_force: NotNegative | None = None
     ft_zero_moment: NotNegative | None = None
     kt_drift: NotNegative | None = None

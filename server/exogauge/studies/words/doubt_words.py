@@ -16,6 +16,10 @@ SOURCES: dict[str, tuple[str, str]] = {
     "unexplained": ("what is left there without a name", "See which effect the robot's model lacks."),
     "ft_gain": ("gain of each force/torque sensor", "Load each sensor with a known weight, and state it as ft_gain."),
     "ft_gain_common": ("gain that all force/torque sensors share", "Weigh the robot, and state it as ft_gain_common."),
+    "ft_tilt": (
+        "how each force/torque sensor stands on its link",
+        "Load each sensor along one axis, see what the others read, turn its frame, and state the rest as ft_tilt.",
+    ),
     "ft_zero": ("zeros of the force/torque sensors", "Take zeros with the robot hanging, before each log."),
     "kt_drift": (
         "torque per ampere, drifting from log to log",
