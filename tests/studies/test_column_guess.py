@@ -275,3 +275,16 @@ def test_a_time_that_does_not_rise_is_told_what_else_would_do() -> None:
     assert isinstance(stamps, Advice)
     assert "`rate_hz`" in stamps.text
     assert "seconds and nanoseconds" in stamps.text
+
+
+@pytest.mark.parametrize(
+    ("kind", "turns", "slides", "unit"),
+    [("q", 60.0, 0.03, "m"), ("q", 60.0, 30.0, "mm"), ("torque", 9000.0, 20.0, "N"), ("qd", 100.0, 0.1, "m/s")],
+)
+def test_a_joint_that_slides_has_no_unit_of_those_that_turn(kind: str, turns: float, slides: float, unit: str) -> None:
+    """A gripper's metres were radians, and would be degrees beside an arm's."""
+    gripper = Wearer((JointFacts("arm", -3.0, 3.0, 3.0), JointFacts("finger", -0.04, 0.04, 0.2, sliding=True)))
+    found = guess([Seen(f"{kind}0", -turns, turns), Seen(f"{kind}1", -slides, slides)], gripper, {})
+    other = found[f"{kind}1"]
+    assert isinstance(other, Suggestion)
+    assert other.unit == unit

@@ -63,21 +63,22 @@ def _of_one_unit(
     columns: Sequence[Seen], found: Mapping[str, Suggestion | Advice], wearer: Wearer
 ) -> dict[str, Suggestion | Advice]:
     """A file writes one quantity of its joints in one unit: what the largest needs holds for all that name none."""
-    needed = dict[str, str]()
-    guessed = dict[str, tuple[Seen, str]]()
+    needed = dict[tuple[str, ...], str]()
+    guessed = dict[str, tuple[Seen, str, JointFacts]]()
     for column in columns:
         each = found[column.name]
         if isinstance(each, Suggestion) and words_of(column.name).unit is None and each.why != OWN_NAME:
-            kind: str = parse_channel(each.channel).kind
-            if kind in OTHER and parse_channel(each.channel).of_joint:
-                guessed[column.name] = column, kind
-                if each.unit == OTHER[kind]:
-                    needed[kind] = each.unit
+            channel = parse_channel(each.channel)
+            if channel.of_joint and channel.kind != "temp":
+                joint = _facts(channel.subject, wearer) or JointFacts(channel.subject)
+                guessed[column.name] = column, channel.kind, joint
+                if each.unit != joint.units(channel.kind)[0]:
+                    needed[joint.units(channel.kind)] = each.unit
     changed = dict(found)
-    for name, (column, kind) in guessed.items():
-        each, unit = found[name], needed.get(kind)
+    for name, (column, kind, joint) in guessed.items():
+        each, unit = found[name], needed.get(joint.units(kind))
         assert isinstance(each, Suggestion)
-        facts = _facts(parse_channel(each.channel).subject, wearer) if each.side == "joint" else None
+        facts = joint if each.side == "joint" else None
         if unit is not None and each.unit != unit and _fits(column, kind, unit, each.sign, facts):
             why = f"{each.why.partition(';')[0]}; {unit} as others of these columns"
             changed[name] = replace(each, unit=unit, sure=False, why=why)
@@ -245,7 +246,7 @@ def joint_column(
     facts = _facts(joint, wearer) if side == "joint" else None
     if kind == "temp":
         return Suggestion(channel.name, "degC", sure=sure and 0.0 < column.size < 150.0, why=why)
-    units = [unit for unit in (SI[kind], OTHER.get(kind)) if unit]
+    units = (_facts(joint, wearer) or JointFacts(joint)).units(kind)
     upright = [unit for unit in units if _fits(column, kind, unit, 1, facts)]
     moving = [unit for unit in upright if _moves(column, kind, unit)]
     turned = [unit for unit in units if _fits(column, kind, unit, -1, facts) and _moves(column, kind, unit)]

@@ -152,6 +152,7 @@ UNKNOWN = "Say what it measures (channel and unit), or list it under `ignore`."
 SI = {"q": "rad", "dq": "rad/s", "ddq": "rad/s^2", "i": "A", "tau": "Nm", "acc": "m/s^2", "gyro": "rad/s",
       "temp": "degC", "f": "N", "m": "Nm"}  # fmt: skip
 OTHER = {"q": "deg", "dq": "deg/s", "i": "mA", "tau": "mNm", "gyro": "deg/s", "m": "mNm"}  # what it may be as well
+SLIDING = {"q": ("m", "mm"), "dq": ("m/s", "mm/s"), "ddq": ("m/s^2",), "tau": ("N", "mN")}
 LARGE = {"q": 7.0, "dq": 40.0, "i": 200.0, "tau": 2000.0, "gyro": 35.0, "m": 2000.0}  # beyond what SI units give
 
 
@@ -173,12 +174,18 @@ class Seen:
 @final
 @dataclass(frozen=True)
 class JointFacts:
-    """lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown."""
+    """lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown. sliding: it does not turn."""
 
     name: str
     lower: float = -math.inf
     upper: float = math.inf
     velocity: float = math.inf
+    sliding: bool = False
+
+    def units(self, kind: str) -> tuple[str, ...]:
+        """In which a quantity of it is usually written: SI, then what it may be as well."""
+        turning = tuple(unit for unit in (SI[kind], OTHER.get(kind)) if unit)
+        return SLIDING.get(kind, turning) if self.sliding else turning
 
 
 @final

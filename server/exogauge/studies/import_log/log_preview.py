@@ -129,7 +129,7 @@ def wearer(robot: Robot | None) -> Wearer:
         return Wearer()
     tree = robot.tree
     limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
-    facts = {name: JointFacts(name, lower, upper, velocity) for name, lower, upper, velocity in limits}
+    facts = {each[0]: JointFacts(*each, sliding=each[0] in tree.sliding) for each in limits}
     joints = tuple(facts.get(joint.name, JointFacts(joint.name)) for joint in robot.joints)
     return Wearer(joints, tuple(sensor.name for sensor in robot.sensors))
 
