@@ -24,6 +24,8 @@ from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
+from exogauge.logs.tables import TextLayout
+from exogauge.logs.text_table import TextTable
 
 ROWS = [(k / 10.0, k / 4.0 - 1.0) for k in range(12)]
 PLAIN = "t,q.a\n" + "".join(f"{t},{q}\n" for t, q in ROWS)
@@ -400,3 +402,13 @@ def outcome(path: Path) -> Log | BadInput:
         return read_log(path, "damaged")
     except BadInput as bad:
         return bad
+
+
+@pytest.mark.parametrize("rows", [(0, 3), (2, 5), (0, 6)])
+def test_the_first_rows_of_a_table_without_a_header_are_no_more_than_those(
+    tmp_path: Path, rows: tuple[int, int]
+) -> None:
+    """They began where the file does, and all of it was read."""
+    path = put(tmp_path, "".join(f"{k},{10 * k}\n" for k in range(6)))
+    table = TextTable(path, path.name, TextLayout(header=False), rows)
+    assert table.read(["2"])["2"].tolist() == [10.0 * k for k in range(*rows)]

@@ -236,7 +236,7 @@ class TextTable:
                 text = re.sub(r"[^\S\n]+", " ", text.replace("\r\n", "\n"))
                 text = "\n".join(line.strip() for line in text.split("\n"))
             return pa.py_buffer(text.encode())
-        if self._begin == 0 and not self.notes:
+        if self.part is None and not self.notes:
             return pa.input_stream(str(self._path), compression="gzip" if self._packed else None)
         return pa.PythonFile(_Span(self._unpacked(), self._begin, self._end), mode="r")
 
