@@ -17,9 +17,10 @@ from exogauge.logs.model import Log
 from exogauge.robots.description import Declared
 from exogauge.support.balance import balance, of_this_log, slopes
 from exogauge.support.band_doubt import contributions
-from exogauge.support.band_fit import best_start, starts
+from exogauge.support.band_fit import best_start, fit_device, starts
+from exogauge.support.band_inputs import torque_of_inputs
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import band_wires, rows_with, stretches
+from exogauge.support.band_rows import band_wires, rows_with, stretches, taut
 from exogauge.support.inputs import Doubts
 from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
@@ -352,6 +353,38 @@ def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, 
     one, two = (contributions(*problem(biped, suit.bands, [drifting] * times), {})["kt_drift"] for times in (1, 2))
     share = DEFAULT_DOUBTS.alike + 0.5 * (1.0 - DEFAULT_DOUBTS.alike)
     np.testing.assert_allclose(two, share * one, rtol=1e-5, atol=1e-9 * np.abs(one).max())
+
+
+def test_a_joint_counts_no_more_than_what_nobody_measured_of_its_bands_lets_it(biped, suit, worn):
+    """Via points drawn as declared, and bands as long as they were put on: RMS over draws of what that adds to the
+    torque. Without noise a fit would bend to it, and weigh most the joints where it bends best."""
+    bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
+    setting, fitted = problem(biped, bands, worn)
+    found, rng, squares = torque_of_inputs(setting, fitted), np.random.default_rng(0), []
+    k, l_0 = zip(*(fitted.wear.spring(b) for b in range(2)), strict=True)
+
+    def torque(moved):
+        wires = band_wires(setting.logs, Routing(biped.robot.tree, moved))
+        pulls = np.array(k) * stretches(wires, np.array(l_0))
+        return sum(wire.jacobian * pulls[:, [b]] for b, wire in enumerate(wires))
+
+    as_described = torque(bands)
+    for _ in range(60):
+        moved = tuple(
+            replace(band, via_points=tuple(
+                replace(point, xyz=tuple(np.array(point.xyz) + 0.002 * rng.normal(size=3))) for point in band.via_points
+            ))
+            for band in bands
+        )  # fmt: skip
+        longer = 0.001 * rng.normal(size=(2, len(worn)))
+        added = sum(wire.jacobian * (k[b] * taut([wire], np.array([l_0[b]])) * longer[b, setting.logs.log][:, None])
+                    for b, wire in enumerate(setting.wires))  # fmt: skip
+        squares.append((torque(moved) - as_described + added) ** 2)
+    drawn = np.sqrt(np.mean(np.where(setting.logs.used, np.mean(squares, axis=0), 0.0), axis=0))
+    np.testing.assert_allclose(found, drawn, rtol=0.2)
+    device, nothing = replace(suit, bands=bands), np.zeros((biped.known().equations.size,) * 2)
+    seen, _ = fit_device(device, setting.logs, setting.wires, None, nothing, np.full(len(NAMES), 1e-3))
+    assert np.all(seen.joint_weight**-0.5 > 0.8 * drawn)
 
 
 def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_moved(biped, suit, worn):

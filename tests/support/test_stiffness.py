@@ -44,6 +44,22 @@ def identified(biped, suit, stoop, make_evidence):
     return identify
 
 
+@pytest.mark.slow
+def test_where_via_points_are_not_quite_there_the_stiffness_is_off_by_no_more_than_is_said(identified, suit):
+    """Drawn as declared, hardly any noise: a fit that weighs joints by what it leaves on them bends to one of them."""
+    rng, z = np.random.default_rng(0), []
+    for seed in range(120):
+        moved = tuple(
+            replace(band, point_std=0.005, stiffness=None, natural_length=None, via_points=tuple(
+                replace(point, xyz=tuple(np.array(point.xyz) + 0.005 * rng.normal(size=3))) for point in band.via_points
+            ))
+            for band in suit.bands
+        )  # fmt: skip
+        found = identified(noise=0.02, seed=1000 * seed, known=replace(suit, bands=moved)).bands[0].stiffness
+        z.append((found.value - suit.bands[0].stiffness) / found.std)
+    assert 0.8 < np.sqrt(np.mean(np.square(z))) < 1.2
+
+
 def test_stiffness_and_lengths_come_back_with_what_is_left(identified, suit):
     found = identified()
     assert found.parameters == ("stiffness[back]", "natural_length[left]", "natural_length[right]")

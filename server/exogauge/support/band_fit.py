@@ -18,6 +18,7 @@ from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import covariance
+from exogauge.support.band_inputs import torque_of_inputs
 from exogauge.support.band_model import (
     NULL,
     SHORTEST,
@@ -114,15 +115,17 @@ def _weighed_fit(
     belief: Belief,
     begin: Sequence[Wear],
 ) -> BandFit:
-    """A joint counts by what the bands leave on it, at least by what is there without a device. The best of several
-    starts, refined on all samples."""
+    """A joint counts by what the bands leave on it, at least by what is there without a device, and by what nobody
+    measured exactly of how they sit: a fit bends to that, so that little of it is left. The best of several starts,
+    refined on all samples."""
     left, lasting = sigma, np.ones(len(sigma))
     fitted: Fitted | None = None
     for _ in range(WEIGHINGS):
         weight, independent = weights(logs, left, lasting)
         setting = Setting(logs, wires, weight, independent, belief)
         fitted = fit(setting, best_start(setting, begin) if fitted is None else fitted.wear)
-        joint_weight, left = left**-2, spread(logs, fitted.e, sigma)
+        joint_weight = left**-2
+        left = np.hypot(spread(logs, fitted.e, sigma), torque_of_inputs(setting, fitted))
     assert fitted is not None
     return BandFit(robot, null, setting, fitted, joint_weight)
 

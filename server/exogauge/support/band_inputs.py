@@ -27,18 +27,17 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
     log alone.
     """
-    few = _Few(setting, fitted)
-    found = {VIA_POINTS: list[Array](), DONNING: list[Array]()}
-    for place in range(len(fitted.wear.k)):
-        wire = setting.wires[place]
-        if wire.course.routing is None:
-            continue
-        band = wire.course.routing.bands[wire.course.index]
-        if band.point_std > 0.0:
-            found[VIA_POINTS] += [band.point_std * each for each in few.moved_points(wire, band, place)]
-        if band.donning_std > 0.0:
-            found[DONNING] += [band.donning_std * each for each in few.other_lengths(wire, place)]
+    few, found = _Few(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
+    for name, torque in few.torques():
+        found[name].append(np.einsum("ndp,nd->p", few.weighted, torque))
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
+
+
+def torque_of_inputs(setting: Setting, fitted: Fitted) -> Array:
+    """(D,) [N·m] RMS, where samples count, of what one standard deviation of all these inputs together adds."""
+    few = _Few(setting, fitted)
+    squares = sum((np.where(few.used, torque, 0.0) ** 2 for _, torque in few.torques()), np.zeros(few.used.shape))
+    return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(few.used.sum(axis=0), 1)))
 
 
 @final
@@ -51,11 +50,24 @@ class _Few:
         self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
-        self._weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
-        self._wear = fitted.wear
+        self.used = logs.used[self._chosen]
+        self.weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
+        self._wear, self._wires = fitted.wear, setting.wires
 
-    def moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
-        """(P,) of each coordinate, per metre."""
+    def torques(self) -> Iterator[tuple[str, Array]]:
+        """(n, D) [N·m] that one standard deviation of each input adds, and whose it is."""
+        for place in range(len(self._wear.k)):
+            wire = self._wires[place]
+            if wire.course.routing is None:
+                continue
+            band = wire.course.routing.bands[wire.course.index]
+            if band.point_std > 0.0:
+                yield from ((VIA_POINTS, band.point_std * each) for each in self._moved_points(wire, band, place))
+            if band.donning_std > 0.0:
+                yield from ((DONNING, band.donning_std * each) for each in self._other_lengths(wire, place))
+
+    def _moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
+        """(n, D) of each coordinate, per metre."""
         routing = wire.course.routing
         assert routing is not None
         there = Routing(routing.tree, [band]).geometry(self._posture)
@@ -66,16 +78,14 @@ class _Few:
         pull = k * np.maximum(there.length[:, 0] - l_0, 0.0)
         for n in range(1, geometry.length.shape[1]):
             other = k * np.maximum(geometry.length[:, n] - l_0, 0.0)
-            torque = jacobian[:, 0] * pull[:, None] - jacobian[:, n] * other[:, None]
-            yield np.einsum("ndp,nd->p", self._weighted, torque) / NEAR
+            yield (jacobian[:, 0] * pull[:, None] - jacobian[:, n] * other[:, None]) / NEAR
 
-    def other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
-        """(P,) of each log, per metre by which the band is longer in it."""
+    def _other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
+        """(n, D) of each log, per metre by which the band is longer in it."""
         k, l_0 = self._wear.spring(place)
         torque = (wire.jacobian * (k * taut([wire], np.array([l_0]))))[self._chosen]
         for log in np.unique(self._log):
-            own = self._log == log
-            yield np.einsum("ndp,nd->p", self._weighted[own], torque[own])
+            yield np.where((self._log == log)[:, None], torque, 0.0)
 
 
 def _moved(band: Band) -> Iterator[Band]:
