@@ -57,20 +57,18 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
     """(n, I, told rows) what each of `common_inputs` takes off the rows at these samples per unit. phi: (B,) base
     parameters, which feel how the base stands."""
     robot, told = equations.robot, equations.layout.told
-    names = common_inputs(robot)[0]
-    columns = np.zeros((len(at), len(names), len(told)))
-    outside = {COMMON_GAIN: np.zeros((len(at), len(told)))}
-    for sensor, read, acts in _sensors(equations, prepared, at):
-        outside[f"{GAIN}.{sensor}"] = own = np.einsum("nc,ncr->nr", read, acts)
-        outside[COMMON_GAIN] += own
+    places = {name: place for place, name in enumerate(common_inputs(robot)[0])}
+    columns = np.zeros((len(at), len(places), len(told)))
+    for sensor, read, acts in _sensors(equations, prepared, at) if places else ():
+        more = [(COMMON_GAIN, read), (f"{GAIN}.{sensor}", read)]
         for axis, about in zip("xyz", np.eye(3), strict=True):
-            turned_read = np.cross(about, read.reshape(-1, 2, 3)).reshape(-1, 6)
-            outside[f"{SENSOR_TILT}.{sensor}.{axis}"] = np.einsum("nc,ncr->nr", turned_read, acts)
-    for place, name in enumerate(names):
-        if name in outside:  # y holds too much of it
-            columns[:, place] = -outside[name]
-        else:
-            columns[:, place] = _tilted(equations, prepared, "xyz".index(name[-1]), cutoff_hz, phi)[at]
+            more.append((f"{SENSOR_TILT}.{sensor}.{axis}", np.cross(about, read.reshape(-1, 2, 3)).reshape(-1, 6)))
+        for name, wrench in more:
+            if name in places:  # y holds too much of it
+                columns[:, places[name]] -= np.einsum("nc,ncr->nr", wrench, acts)
+    for number, letter in enumerate("xy"):
+        if (name := f"{TILT}.{letter}") in places:
+            columns[:, places[name]] = _tilted(equations, prepared, number, cutoff_hz, phi)[at]
     return columns
 
 

@@ -10,7 +10,6 @@ from typing import Any, final
 
 import numpy as np
 import pinocchio as pin
-import yaml
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
@@ -19,7 +18,7 @@ from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.touching import Pairs
 from exogauge.robots.urdf import model_text
-from exogauge.studies.import_log.robot_draft import doubts, draft_robot
+from exogauge.studies.import_log.robot_draft import drafted, slips
 from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
 
@@ -36,16 +35,19 @@ def draft_of(urdf: bytes, file: str, folder: Path) -> tuple[dict[str, Any], list
 
     folder: where meshes are looked for, and beside it. A robot without two feet is bolted down. Raises BadRobot.
     """
-    content = yaml.safe_load(draft_robot(urdf, file, "torque"))
-    slips = [f"# ? urdf: {said}" for said in doubts(urdf, file)]
+    content, _ = drafted(urdf, file, "torque")
+    slipped = slips(urdf, file)
     feet = [sensor["frame"] for sensor in content.pop("ft_sensors", ()) if sensor["role"] == "contact"]
     if len(feet) != 2:
         content, told = _arm(urdf, content)
-        return content, [*told, *slips]
+        return content, [*told, *slipped]
     look = _Look(urdf, folder, content["base_link"], feet)
     look.refuse_lying(file)
     faces = "along" if look.ahead > 0.0 else "against"
-    told = [*slips, f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}"]
+    told = [
+        *slipped,
+        f"# ? soles: {' and '.join(look.feet)}, left first; so it faces {faces} the x of {look.base_link}",
+    ]
     soles = [(foot, look.outline(foot)) for foot in look.feet]
     parts, hands = look.arms(told)
     names = [name for name in look.model.names[2:] if not look.beyond(name, hands)]

@@ -118,16 +118,18 @@ def _weighed_fit(
     """A joint counts by what the bands leave on it, at least by what is there without a device, and by what nobody
     measured exactly of how they sit: a fit bends to that, so that little of it is left. The best of several starts,
     refined on all samples."""
-    left, lasting = sigma, np.ones(len(sigma))
-    fitted: Fitted | None = None
-    for _ in range(WEIGHINGS):
-        weight, independent = weights(logs, left, lasting)
-        setting = Setting(logs, wires, weight, independent, belief)
-        fitted = fit(setting, best_start(setting, begin) if fitted is None else fitted.wear)
-        joint_weight = left**-2
+    lasting = np.ones(len(sigma))
+
+    def weighed(left: Array) -> Setting:
+        return Setting(logs, wires, *weights(logs, left, lasting), belief)
+
+    left, setting = sigma, weighed(sigma)
+    fitted = fit(setting, best_start(setting, begin))
+    for _ in range(WEIGHINGS - 1):
         left = np.hypot(spread(logs, fitted.e, sigma), torque_of_inputs(setting, fitted))
-    assert fitted is not None
-    return BandFit(robot, null, setting, fitted, joint_weight)
+        setting = weighed(left)
+        fitted = fit(setting, fitted.wear)
+    return BandFit(robot, null, setting, fitted, left**-2)
 
 
 def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:

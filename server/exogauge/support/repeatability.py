@@ -13,7 +13,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
 from exogauge.support.difference import difference
-from exogauge.support.inputs import Doubts, sloped_samples
+from exogauge.support.inputs import Doubts, Inputs, sloped_samples
 from exogauge.support.paired import paired
 from exogauge.support.peak import peak_places, same_moments
 from exogauge.support.same_motion import Posture, match
@@ -21,6 +21,7 @@ from exogauge.support.settings import SupportSettings
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
 
 
 @final
@@ -95,23 +96,27 @@ def repeatability(
     """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest. peak_s:
     how long the mean lasts that is told as a peak. doubts: what of it stands beside it anyhow."""
     by_b, by_a, by_pair = list[_Seen](), list[_Seen](), list[_Seen]()
+    inputs = dict[str, tuple[Inputs, IntArray]]()  # of those that were not fitted
     for plain in plains:
-        own = plain.balance
+        own, known = plain.balance, None
         whole = ~own.left_out[:, None] & np.ones_like(own.steady)
         told = bridged(own.torque, own.steady, own.rest * held)
         steady = own.steady & whole
-        by_b.append(_Seen(told, steady, ~own.steady & whole, _step(own), _known(doubts, plain, steady)))
+        if doubts is not None and plain.held_out:
+            sloped = sloped_samples(own.prepared)
+            inputs[plain.name] = doubts.inputs(own.prepared, sloped), sloped
+            known = doubts.of_means(*inputs[plain.name], steady)
+        by_b.append(_Seen(told, steady, ~own.steady & whole, _step(own), known))
     for first, last in _first_and_last(plains):
         this, other = first.balance, last.balance
         apart = difference(this, other, match(first.posture, last.posture, settings))
         pair = paired(this, other, apart, held)
         a = _Seen(apart.torque, apart.compared, ~apart.compared, _step(this), moves=apart.rest < 0.5)
         both = _Seen(pair.torque, this.steady, ~this.steady, _step(this))
-        if doubts is not None and first.held_out and last.held_out:
-            sloped = sloped_samples(this.prepared)
-            own_inputs = doubts.inputs(this.prepared, sloped)
+        if doubts is not None and first.name in inputs and last.name in inputs:
+            at_first, sloped = inputs[first.name]
             partner = doubts.inputs(other.prepared, apart.nearest[sloped])
-            of_a, of_both = (own_inputs.less(partner, joints) for joints in (None, pair.from_partner))
+            of_a, of_both = (at_first.less(partner, joints) for joints in (None, pair.from_partner))
             a = replace(a, known=doubts.of_means(of_a, sloped, a.steady))
             both = replace(both, known=doubts.of_means(of_both, sloped, both.steady))
         by_a.append(a)
@@ -119,14 +124,6 @@ def repeatability(
     b = _null(by_b)
     assert b is not None
     return Repeatability(b, _null(by_a), _null(by_pair), _peak(plains, by_b, settings, peak_s))
-
-
-def _known(doubts: Doubts | None, plain: Plain, windows: BoolArray) -> Array | None:
-    """(D,) [N²·m²] variance that is known of the means over windows (T, D), of a log that was not fitted."""
-    if doubts is None or not plain.held_out:
-        return None
-    sloped = sloped_samples(plain.balance.prepared)
-    return doubts.of_means(doubts.inputs(plain.balance.prepared, sloped), sloped, windows)
 
 
 def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:

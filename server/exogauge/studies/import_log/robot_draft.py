@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 from xml.etree.ElementTree import Element
 
 import yaml
@@ -70,11 +70,21 @@ class _Tree:
 
 def draft_robot(urdf: bytes, file: str, actuation: str = "current") -> str:
     """The text of a robot.yaml. file: the URDF's name beside it. actuation: of all joints. Raises BadRobot."""
+    content, told = drafted(urdf, file, actuation)
+    lines = list[str]()
+    for key, value in content.items():
+        lines += [f"{key}:", *(f"  - {_line(each)}" for each in value)] if isinstance(value, list) else [
+            f"{key}: {_line(value)}"]  # fmt: skip
+    return "\n".join([HEAD, *told, *slips(urdf, file), *lines, ""])
+
+
+def drafted(urdf: bytes, file: str, actuation: str) -> tuple[dict[str, Any], list[str]]:
+    """What a robot.yaml holds, and comments on what was guessed in it. Raises BadRobot."""
     tree = _Tree.of(read_urdf(urdf, file))
     if not tree.moving:
         raise BadRobot(Fault("no joint of it moves", "no_joint", "Give the URDF of a robot", file))
-    told, feet = [HEAD], _feet(tree)
-    content: dict[str, object] = {"version": 1, "urdf": file, "base": "floating" if feet else "fixed"}
+    told, feet = list[str](), _feet(tree)
+    content: dict[str, Any] = {"version": 1, "urdf": file, "base": "floating" if feet else "fixed"}
     if feet:
         told.append(f"# ? base: floating, as it has two feet ({', '.join(feet)}); `fixed` if it is bolted down")
         content |= {"base_link": tree.root, "imu": {"frame": _imu(tree, told)}}
@@ -83,28 +93,25 @@ def draft_robot(urdf: bytes, file: str, actuation: str = "current") -> str:
     sensors = [*_contacts(tree, feet, told), *_inside(tree, told)]
     if actuation == "current":
         told.append("# ! joints: k_T is the joint's torque per ampere [N·m/A], from data sheet and gear; 0 is refused")
-    told += [f"# ? urdf: {said}" for said in doubts(urdf, file)]
     beside = {"prior": {"k_T": 0}} if actuation == "current" else {}
     joints = [{"name": name, "actuation": actuation, **beside} for name in tree.moving]
-    lines = [f"{key}: {_line(value)}" for key, value in content.items()]
-    for name, entries in (("ft_sensors", sensors), ("joints", joints)):
-        lines += [f"{name}:", *(f"  - {_line(each)}" for each in entries)] if entries else []
-    return "\n".join([*told, *lines, ""])
+    return content | ({"ft_sensors": sensors} if sensors else {}) | {"joints": joints}, told
 
 
-def doubts(urdf: bytes, file: str) -> list[str]:
-    """What looks like a slip in the URDF itself: units, inertias that no body has, links without mass."""
+def slips(urdf: bytes, file: str) -> list[str]:
+    """Comments on what looks like a slip in the URDF itself: units, inertias that no body has, links without mass."""
     from exogauge.robots.urdf import load_whole  # it computes, and the service that reads drafts does not
 
     tree = load_whole(urdf, file)
     usual = Examining()
     remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, usual)]
     remarks += limits_in_degrees(urdf, file, usual)
+    weightless = list[str]()
     try:
         remarks += idle_joints(tree, file)
     except BadRobot as bad:
-        return [*map(sentence, remarks), *(f"{fault.detail}. {fault.advice}" for fault in bad.faults)]
-    return [sentence(each) for each in remarks]
+        weightless = [f"{fault.detail}. {fault.advice}" for fault in bad.faults]
+    return [f"# ? urdf: {said}" for said in (*map(sentence, remarks), *weightless)]
 
 
 def _line(value: object) -> str:
