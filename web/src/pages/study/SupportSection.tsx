@@ -35,14 +35,18 @@ export function SupportSection({ study, results }: Props) {
             <strong>B</strong>: what the identified model needs minus what was measured
           </List.Item>
           <List.Item>
-            <strong>B, maker’s values</strong>: the same before identification
+            <strong>Paired</strong>: B with the device minus B of its partner without it, at the same posture
+          </List.Item>
+          <List.Item>
+            <strong>B, maker’s values</strong>: the same as B before identification
           </List.Item>
           <List.Item>
             <strong>Band model</strong>: what the bands give by {found[0]!.band_model ?? "the device file"}
           </List.Item>
         </List>
         <Text size="sm" c="dimmed" mt={4}>
-          RMSE is against the band model, over all samples. {results.reading?.support_table ?? "± is one standard deviation."}
+          RMSE is against the band model, over all samples. By the maker’s values and of the band model ± is the scatter of the trials
+          alone. {results.reading?.support_table ?? "± is one standard deviation."}
         </Text>
       </div>
       <SegmentedControl
