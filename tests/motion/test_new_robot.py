@@ -119,6 +119,39 @@ def test_meshes_beside_a_folder_are_opened_for_ones_own_files_alone(tmp_path: Pa
     assert opened("package:///b/link.stl") == b"b"
 
 
+def test_a_robot_whose_meshes_lie_upwards_is_drafted_with_or_without_them(tmp_path: Path, capsys) -> None:
+    """`../meshes/…` from the folder of the URDF, as Vega's and Robotiq's."""
+    urdf = package("ur_description/urdf/ur5_robot.urdf", tmp_path)
+    text = re.sub(r"package://[^\"]*?/meshes", "../meshes", urdf.read_text())
+    assert text.count("../meshes/") > 6
+    urdf.write_text(text)
+    assert main(["motion", "robot", str(urdf)]) == 0
+    assert load_motion_robot(urdf.with_name("robot.yaml"), beside=True).shapeless == ()
+    assert "base_link" in load_motion_robot(urdf.with_name("robot.yaml")).shapeless
+    capsys.readouterr()
+    table, alone = tmp_path / "still.csv", tmp_path / "alone"
+    alone.mkdir()
+    (alone / "ur5.urdf").write_text(text.replace("../meshes", "../../../nowhere"))
+    assert main(["motion", "robot", str(alone / "ur5.urdf")]) == 0
+    joints = load_motion_robot(alone / "robot.yaml").joints
+    rows = [",".join(f"{cell:g}" for cell in (t / 100, *[-1.0] * 6)) for t in range(100)]
+    table.write_text("\n".join([",".join(["t", *(f"q.{name}" for name in joints)]), *rows]))
+    main(["motion", "check", str(table), "--robot", str(alone / "robot.yaml")])
+    said = capsys.readouterr().out
+    assert "collisions of" in said
+    assert "their meshes are not there" in said
+
+
+def test_a_study_opens_no_mesh_outside_it_however_far_up_its_name_leads(tmp_path: Path) -> None:
+    urdf = package("ur_description/urdf/ur5_robot.urdf", tmp_path)
+    urdf.write_text(re.sub(r"package://[^\"]*?/meshes", "../meshes", urdf.read_text()))
+    opened = mesh_opener(urdf.parent)
+    names = set(re.findall(r'filename="([^"]+stl)"', urdf.read_text()))
+    assert names
+    assert all((urdf.parent / name).is_file() for name in names)
+    assert [name for name in names if opened(name) is not None] == []
+
+
 def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path) -> None:
     """iCub's hang against its hips: forearms and hands were never looked at."""
     robot = load_motion_robot(sample_folder(tmp_path))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import pytest
@@ -46,8 +47,11 @@ def test_no_file_outside_the_bundle_is_opened(tmp_path: Path) -> None:
     inside = tmp_path / "study"
     inside.mkdir()
     (inside / "link.stl").symlink_to(tmp_path / "secret.stl")
+    (tmp_path / "other").mkdir()
+    trimesh.creation.box([1, 1, 1]).export(tmp_path / "other" / "secret.stl")
     opened = mesh_opener(inside)
-    for name in ("../secret.stl", str(tmp_path / "secret.stl"), "file:///secret.stl", "link.stl"):
+    for name in ("../secret.stl", "../other/secret.stl", "a/../../other/secret.stl", "..\\other\\secret.stl",
+                 str(tmp_path / "secret.stl"), "file:///secret.stl", "link.stl"):  # fmt: skip
         assert opened(name) is None
 
 
@@ -55,7 +59,7 @@ def test_no_file_outside_the_bundle_is_opened(tmp_path: Path) -> None:
 def test_a_fine_mesh_is_simplified_and_keeps_its_extent() -> None:
     fine = trimesh.creation.icosphere(6, 0.3)
     assert len(fine.faces) > 10 * MOST_FACES
-    mesh = read_mesh("ball.stl", lambda name: fine.export(file_type="stl"))
+    mesh = read_mesh(Element("mesh", filename="ball.stl"), lambda name: fine.export(file_type="stl"))
     assert mesh is not None
     assert 0 < len(mesh.faces) <= MOST_FACES
     np.testing.assert_allclose(mesh.bounds, fine.bounds, atol=0.02)
@@ -63,4 +67,17 @@ def test_a_fine_mesh_is_simplified_and_keeps_its_extent() -> None:
 
 def test_a_broken_mesh_is_left_out() -> None:
     for name, data in (("a.stl", b"solid"), ("a.stl", b"\0" * 84), ("a.obj", b"f 1 2 3\n"), ("a.exe", b"MZ")):
-        assert read_mesh(name, lambda _, data=data: data) is None  # type: ignore[misc]
+        assert read_mesh(Element("mesh", filename=name), lambda _, data=data: data) is None  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("scale", "size"), [("", (1, 2, 3)), ("2", (2, 4, 6)), ("1 1 1 1", (1, 2, 3)), ("1 2 3", (1, 4, 9)), ("1 2", None),
+                        ("1 nan 1", None), ("a", None)]
+)  # fmt: skip
+def test_a_mesh_is_scaled_or_left_out(scale: str, size: tuple[float, ...] | None) -> None:
+    """RACECAR writes four numbers: a traceback."""
+    box = trimesh.creation.box((1, 2, 3)).export(file_type="stl")
+    mesh = read_mesh(Element("mesh", filename="a.stl", scale=scale), lambda _: box)
+    assert (mesh is None) is (size is None)
+    if mesh is not None:
+        np.testing.assert_allclose(mesh.extents, size, rtol=1e-6)

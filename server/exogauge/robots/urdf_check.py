@@ -336,14 +336,16 @@ def _bodies(robot: Element) -> Iterator[tuple[Element, Element, float, Array]]:
 
 
 def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:
-    """Meshes are never opened here; a path that leaves the bundle is refused all the same."""
+    """Meshes are never opened here; one of this machine alone or of the network is refused. A path upwards, as many
+    makers write it beside their `urdf` folder, is taken: whoever opens meshes reads what lies in the bundle alone."""
     for element in link.iter():
         path = (element.get("filename") or "").replace("\\", "/") if element.tag in ("mesh", "texture") else ""
         if not path:
             continue
         scheme, _, rest = path.rpartition("://")
         rest = rest.removeprefix("/") if scheme in ("package", "model") else rest  # as some write them
-        outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or ".." in rest.split("/")
+        upwards = bool(scheme) and ".." in rest.split("/")  # out of a package
+        outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or upwards
         if outside or scheme not in ("", "package", "model"):
             yield Fault(f"link {link.get('name')!r}: a mesh outside the bundle", "mesh_outside",
                         "Write package://NAME/meshes/…: a file is found by how its path ends", file,

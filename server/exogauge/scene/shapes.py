@@ -126,15 +126,14 @@ def _shapes(geometry: Element, open_mesh: Opener) -> Iterator[trimesh.Trimesh]:
         elif part.tag == "sphere" and radius:
             yield trimesh.creation.icosphere(2, radius[0])
         elif part.tag == "mesh":
-            mesh = read_mesh(part.get("filename", ""), open_mesh)
+            mesh = read_mesh(part, open_mesh)
             if mesh is not None:
-                mesh.vertices *= np.array(_numbers(part, "scale") or [1.0])
                 yield mesh
 
 
-def read_mesh(name: str, open_mesh: Opener) -> trimesh.Trimesh | None:
-    """A mesh file simplified to `MOST_FACES`; None where there is none to be read."""
-    mesh = load_mesh(name, open_mesh)
+def read_mesh(part: Element, open_mesh: Opener) -> trimesh.Trimesh | None:
+    """The file of a <mesh> simplified to `MOST_FACES`; None where there is none to be read."""
+    mesh = load_mesh(part, open_mesh)
     return simplified(mesh) if mesh is not None and len(mesh.faces) > MOST_FACES else mesh
 
 

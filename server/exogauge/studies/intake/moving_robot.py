@@ -146,10 +146,10 @@ def _drawn(link: str, element: Element, open_mesh: Opener) -> Shape | None:
         kind: Kind = part.tag  # type: ignore[assignment]
         size = [number for key in SIZES[kind] for number in _read(part, key)]
         return Shape(link, kind, tuple(size), at) if size and min(size) > 0.0 else None
-    mesh = load_mesh(part.get("filename", ""), open_mesh) if part.tag == "mesh" else None
+    mesh = load_mesh(part, open_mesh) if part.tag == "mesh" else None
     if mesh is None:
         return None
-    points = np.asarray(mesh.vertices) * np.array(_read(part, "scale") or [1.0])
+    points = np.asarray(mesh.vertices)
     try:
         return Shape(link, "hull", (), at, points[ConvexHull(points).vertices])
     except (QhullError, ValueError):
