@@ -56,6 +56,34 @@ def motive(points: Array, labels: Names, rate: float = 120.0, unit: str = "Milli
     return "\n".join(lines) + "\n"
 
 
+def optitrack(points: Array, labels: Names, rate: float = 120.0, beside: bool = True) -> str:
+    """The same in the rows of 1.1, in metres. A frame lists what it shows, in whatever order. beside: with two rigid
+    bodies, of which each third frame loses one, and a marker without a name."""
+    lines = ['comment,"OptiTrack Export Data"', 'comment,"== frame: a frame, of markers x, y, z, id, name"',
+             "righthanded", "info,version,1.1", f"info,framecount,{len(points)}",
+             f"info,rigidbodycount,{2 if beside else 0}"]  # fmt: skip
+    if beside:
+        lines += [f'rigidbody,"Cart, {k}",{k},3,' + ",".join(["0.01"] * 9) for k in (1, 2)]
+    for t, row in enumerate(points @ TO_Y_UP.T):
+        bodies = range(1, 3 - (t % 3 == 2)) if beside else ()
+        cells = [f"{k}," + ",".join(["0.5"] * 10) for k in bodies]
+        shown = [(label, point) for label, point in zip(labels, row, strict=True) if not np.isnan(point[0])]
+        markers = [f"{','.join(_texts(point))},{k},{label}" for k, (label, point) in enumerate(shown)]
+        markers = markers[t % 2 :] + markers[: t % 2] + (["0.1,0.2,0.3,99,"] if beside else [])
+        lines.append(
+            ",".join(["frame", str(t), f"{t / rate:.8f}", str(len(cells)), *cells, str(len(markers)), *markers])
+        )
+        if beside:
+            lines.append(f'rigidbody,{t},{t / rate:.8f},"Cart, 1",1,0,3,' + ",".join(["0.1"] * 12) + ",NAN,NAN,NAN")
+    return "\n".join(lines) + "\n"
+
+
+def excel(table: str, blank: int = 0) -> str:
+    """A table as Excel saves it where commas are decimal, with empty rows below."""
+    lines = [line.replace(",", ";").replace(".", ",") for line in table.splitlines()]
+    return "\r\n".join([*lines, *[";" * lines[-1].count(";")] * blank]) + "\r\n"
+
+
 def nexus(points: Array, labels: Names, rate: float = 100.0, separator: str = ",", beside: bool = True) -> str:
     """beside: a section of a force plate before it, of model outputs behind it, and an unlabelled trajectory."""
     all_ = [*(f"Ann:{label}" for label in labels), *(["*12"] if beside else [])]

@@ -11,6 +11,7 @@ from tests.motion.test_reading import AMC, ASF, BVH, LABELS, OURS, body, c3d, na
 
 from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
+from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.fit.places import place_of
 from exogauge.motion.person import person_of
 
@@ -326,8 +327,46 @@ def test_milliseconds_in_a_trc_are_noticed(tmp_path: Path) -> None:
 IOR = ("L_HEAD", "R_HEAD", "CV7", "L_IAS", "R_IAS", "L_FLE", "L_FCC", "R_FCC")
 GAIT = ("Top.Head", "Sternum", "R.Acromium", "L.ASIS", "R.ASIS", "L.Knee.Lat", "L.Heel", "R.Heel")
 CORTEX = ("Front.Head", "Rear.Head", "R.Shoulder", "L.ASIS", "R.ASIS", "L.Knee", "L.Heel", "R.Heel")
+SEEN = ("LHip", "RHip", "Hip", "LShoulder", "RShoulder", "Neck", "Head", "Nose", "LElbow", "LWrist", "LKnee", "RKnee",
+        "LAnkle", "RAnkle", "LHeel", "RHeel", "LBigToe", "RBigToe", "LSmallToe", "RSmallToe")  # fmt: skip
+AT = np.array([
+    [0, 0.09, 0.9], [0, -0.09, 0.9], [0, 0, 0.9], [0, 0.18, 1.4], [0, -0.18, 1.4], [0, 0, 1.45], [0, 0, 1.7],
+    [0.1, 0, 1.6], [0, 0.2, 1.1], [0, 0.2, 0.85], [0, 0.09, 0.48], [0, -0.09, 0.48], [0, 0.09, 0.08], [0, -0.09, 0.08],
+    [-0.06, 0.09, 0.03], [-0.06, -0.09, 0.03], [0.18, 0.08, 0.02], [0.18, -0.08, 0.02], [0.12, 0.14, 0.02],
+    [0.12, -0.14, 0.02],
+])  # fmt: skip
 INFERRED = ("L_shoulder_study", "r_shoulder_study", "C7_study", "L.ASIS_study", "r.ASIS_study", "L_knee_study",
             "L_calc_study", "r_calc_study")  # fmt: skip
+
+
+def test_joints_seen_in_videos_are_known_and_their_sides(tmp_path: Path) -> None:
+    """Pose2Sim's TRC of HALPE_26: a hip was a marker on the thigh, and everything but the heels unknown."""
+    there = np.repeat(AT[None], 12, axis=0)
+    motion = open_motion(trc(tmp_path / "a.trc", there, labels=SEEN))
+    assert motion.markers is not None
+    assert motion.told["preset"] == "OpenPose and Pose2Sim"
+    assert motion.told["up"].startswith("guessed: z")
+    assert not {"unknown", "sides_doubt"} & motion.told.keys()
+    assert {motion.markers.segment[name] for name in ("LHip", "RHip", "Hip")} == {"pelvis"}
+    assert motion.markers.segment["RKnee"] == "r_thigh"
+    assert "sides_doubt" in open_motion(trc(tmp_path / "b.trc", there * [1, -1, 1], labels=SEEN)).told
+    with pytest.raises(BadMotion) as refused:
+        fit_human(motion)
+    fault = refused.value.faults[0]
+    assert fault.rule == "too_few_markers"
+    assert "how it tilts" in str(fault.advice)
+
+
+def test_markers_that_pose2sim_augments_are_what_counts_beside_its_joints(tmp_path: Path) -> None:
+    heights = {"_shoulder": 1.4, ".ASIS": 1.0, ".PSIS": 1.0, "_knee": 0.5, "_mknee": 0.5, "_ankle": 0.1, "_mankle": 0.1,
+               "_calc": 0.03, "_toe": 0.03, "_5meta": 0.03, "_lelbow": 1.1, "_melbow": 1.1, "_lwrist": 0.9}  # fmt: skip
+    augmented = tuple(f"{side}{part}_study" for side in "rL" for part in heights)
+    places = np.array([[0.0, aside, high] for aside in (-0.1, 0.1) for high in heights.values()])
+    there = np.repeat(np.concatenate([AT, places])[None], 12, axis=0)
+    motion = open_motion(trc(tmp_path / "a.trc", there, labels=(*SEEN, *augmented)))
+    assert motion.markers is not None
+    assert motion.told["preset"] == "OpenCap and OpenSim"
+    assert set(augmented) <= set(motion.markers.segment)
 
 
 def test_what_opencap_infers_sits_where_its_markers_do() -> None:

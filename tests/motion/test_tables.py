@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.motion.tables import SEGMENTS, motive, mvnx, nexus, plain, qualisys
+from tests.motion.tables import SEGMENTS, excel, motive, mvnx, nexus, optitrack, plain, qualisys
 from tests.motion.test_reading import LABELS, body
 from tests.motion.test_recorded import captured  # noqa: F401 a fixture
 
@@ -34,6 +34,13 @@ WRITERS = {
                                           unit=1e-3, below=";".join(["s", *["mm"] * 3 * len(labels)]), gap="NA"),
     "n.txt": lambda points, labels: plain(points, labels, name="{label}_{axis}_cm", unit=0.01, clock="# time"),
     "o.csv": lambda points, labels: plain(points, labels, clock="", above="rate,100\nunits,mm", unit=1e-3),
+    "p.csv": optitrack,
+    "q.csv": lambda points, labels: optitrack(points, labels, beside=False),
+    "r.csv": lambda points, labels: excel(plain(points, labels), blank=3),
+    "s.csv": lambda points, labels: excel(plain(points, labels, unit=1e-3, below=",".join(["s", *["mm"] * 24]))
+                                          if len(labels) == 8 else plain(points, labels, unit=1e-3)),
+    "t.csv": lambda points, labels: excel(nexus(points, labels)),
+    "u.tsv": lambda points, labels: qualisys(points, labels).replace(".", ","),
 }  # fmt: skip
 
 
@@ -59,7 +66,7 @@ def test_a_motion_comes_back_from_every_table(tmp_path: Path, name: str) -> None
     motion = open_motion(_file(tmp_path, name, WRITERS[name](there, LABELS)))
     assert motion.markers is not None
     assert motion.markers.labels == LABELS
-    assert motion.rate == pytest.approx(120.0 if name in ("d.csv", "e.csv") else 100.0, rel=1e-3)
+    assert motion.rate == pytest.approx(120.0 if name in ("d.csv", "e.csv", "p.csv", "q.csv") else 100.0, rel=1e-3)
     assert motion.markers.position == pytest.approx(there, abs=1e-6, nan_ok=True)
 
 
@@ -73,7 +80,8 @@ def test_what_was_recorded_is_the_same_in_every_table(captured, tmp_path: Path, 
     motion = with_contacts(open_motion(_file(tmp_path, name, WRITERS[name](points, labels))))
     assert motion.markers is not None
     assert motion.markers.segment == {label: there.markers.segment[label] for label in labels}
-    assert motion.markers.position == pytest.approx(points, abs=1e-6, nan_ok=True)
+    order = [motion.markers.labels.index(label) for label in labels]
+    assert motion.markers.position[:, order] == pytest.approx(points, abs=1e-6, nan_ok=True)
     assert motion.contacts is not None
 
 
@@ -88,6 +96,16 @@ def test_rigid_bodies_and_what_has_no_label_are_told_and_are_no_markers(tmp_path
     assert told["prefix"] == "Ann"
 
 
+def test_what_an_old_optitrack_file_and_a_table_with_commas_are_is_told(tmp_path: Path) -> None:
+    there = body(6)
+    told = open_motion(_file(tmp_path, "a.csv", optitrack(there, LABELS))).told
+    assert told["format"] == "Motive CSV 1.1"
+    assert told["left_out"] == "rigid bodies: 2"
+    assert told["unit"].startswith("guessed: m,")
+    assert "decimals" not in told
+    assert open_motion(_file(tmp_path, "b.csv", excel(plain(there, LABELS)))).told["decimals"] == "commas"
+
+
 def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str | None]]]:
     """By what is wrong: file's name, text, then rule, row, column, value."""
     there = body(12)
@@ -100,6 +118,9 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
     people = tuple(f"{who}_{label}" for who in ("Ann", "Ben") for label in LABELS)
     two = np.concatenate([there, there + np.array([0.0, 2.0, 0.0])], axis=1)
     without = [cell if k != 4 else "" for k, cell in enumerate(second)]
+    old = optitrack(there, LABELS)
+    tracker = ("Objects\n100\n,,Global Angle Cart:Cart,,,,,\nFrame,Sub Frame,RX,RY,RZ,TX,TY,TZ\n"
+               ",,rad,rad,rad,mm,mm,mm\n1,0,0.1,0.2,0.3,100,200,300\n")  # fmt: skip
     return {
         "cut": ("a.tsv", cut["tsv"] + "\n", ("frame_count", 1, "NO_OF_FRAMES", "12")),
         "cut in motive": ("a.csv", cut["opti"] + "\n", ("frame_count", 1, "Total Exported Frames", "12")),
@@ -111,7 +132,9 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
         "6D": ("a.tsv", tsv.replace("DATA_INCLUDED\t3D", "DATA_INCLUDED\t6D"),
                ("no_markers", 9, "DATA_INCLUDED", "6D")),
         "no header": ("a.tsv", tsv[tsv.index("\n1\t") + 1 :], ("unknown_format", 1, None, None)),
-        "decimal commas": ("a.tsv", tsv.replace(".", ","), ("not_a_number", 14, "Time", "0,00000")),
+        "commas beside points": ("a.tsv", tsv.replace("0.01000", "0,01000"), ("not_a_number", 15, "Time", "0,01000")),
+        "commas and thousands": ("a.csv", excel(plain(there, LABELS, unit=1e-3)).replace("1700,0", "1.700,0"),
+                                 ("not_a_number", 2, "time", "0,000000")),
         "commas for both": ("a.csv", "\n".join([*lines[: at + 5], lines[at + 5].replace(".", ","), *lines[at + 6 :]]),
                             ("row_length", at + 6, None, None)),
         "a word": ("a.csv", opti.replace(f"{1700.0:.6f}", "seen", 1), ("not_a_number", 8, "Ann:LFHD y", "seen")),
@@ -163,6 +186,15 @@ def _wrong() -> dict[str, tuple[str, str, tuple[str, int | None, str | None, str
         "mm as m in it": ("a.csv", plain(there, LABELS, name="{label}_{axis} [m]", unit=1e-3),
                           ("no_body", None, "unit", "read: 1 m")),
         "two people in it": ("a.csv", plain(two, people), ("two_people", None, "subject", None)),
+        "left-handed": ("a.csv", old.replace("righthanded", "lefthanded"), ("left_handed", 3, None, None)),
+        "version 1": ("a.csv", old.replace("info,version,1.1\n", ""), ("other_version", 8, "version", None)),
+        "version 1.3": ("a.csv", old.replace("version,1.1", "version,1.3"), ("other_version", 4, "version", "1.3")),
+        "a frame of it cut": ("a.csv", old[: old.rindex("frame,11,") + 200], ("row_length", 31, None, None)),
+        "frames of it lost": ("a.csv", old[: old.rindex("frame,11,")], ("frame_count", 5, "framecount", "12")),
+        "a name twice in it": ("a.csv", old.replace(",7,RHEE", ",7,LHEE", 1), ("label_twice", 9, None, "LHEE")),
+        "no count in it": ("a.csv", old.replace("frame,3,0.02500000,2", "frame,3,0.02500000,x"),
+                           ("not_a_number", 15, "count of rigid bodies", "x")),
+        "objects of Tracker": ("a.csv", tracker, ("no_markers", None, None, "Objects")),
         "another table": ("a.csv", "t,q.hip\n0,0\n0.1,0\n", ("unknown_format", 1, None, "t,q.hip")),
     }  # fmt: skip
 

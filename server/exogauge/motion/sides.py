@@ -64,7 +64,7 @@ def _markers(markers: Markers) -> tuple[Array, list[Array]]:
     left, ways = np.zeros((len(markers.position), 3)), []
     for part in ("pelvis", "l_foot", "r_foot"):
         on = [(m, found[0]) for m, label in enumerate(markers.labels) if markers.segment.get(label) == part
-              and (found := place_of(label)) is not None and found[1]]  # fmt: skip
+              and (found := place_of(label, part)) is not None and found[1]]  # fmt: skip
         if len(on) < 2:
             continue
         slopes = _slopes(markers.position[:, [m for m, _ in on]], np.array([where[:2] for _, where in on]))

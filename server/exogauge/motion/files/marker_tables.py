@@ -9,7 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number
-from exogauge.motion.files.table import Rows, Table, Triple, from_x, points_of
+from exogauge.motion.files.optitrack_rows import frames_of, says_its_rows
+from exogauge.motion.files.table import Rows, Table, Triple, from_x, pointed, points_of
 
 NAMELESS = re.compile(r"(\*\d*|unlabell?ed.*|unidentified.*|)", re.IGNORECASE)
 QUALISYS = re.compile(r"[A-Z][A-Z0-9_]+")
@@ -27,7 +28,7 @@ SAID = re.compile(  # above the row of names
     r"(?:[\s_]*[\[(]hz[\])])?\s*[:=,;\t ]\s*(?P<value>[\w.]+)(?:\s*hz)?[\s,;]*",
     re.IGNORECASE,
 )
-SECTIONS = ("Trajectories", "Devices", "Joints", "Model Outputs", "Segments")
+SECTIONS = ("Trajectories", "Devices", "Joints", "Model Outputs", "Segments", "Objects")  # the last of Tracker
 
 
 def read_table(path: Path) -> Captured:
@@ -38,6 +39,8 @@ def read_table(path: Path) -> Captured:
         table, rows = _qualisys(path, lines)
     elif lines[0].lower().startswith("format version,"):
         table, rows = _motive(path, lines)
+    elif says_its_rows(lines):
+        table, rows = frames_of(path, lines)
     elif titles:
         table, rows = _nexus(path, lines, titles)
     elif ",q." not in lines[0] and (plain := _names_row(lines)) is not None:
@@ -136,7 +139,8 @@ def _nexus(path: Path, lines: list[str], titles: list[tuple[int, str]]) -> tuple
     """The section of trajectories: title, rate, names, axes, units, rows, an empty one. Speeds are left out."""
     begin = next((k for k, title in titles if title == "Trajectories"), None)
     if begin is None or len(lines) < begin + 5:
-        raise fault(path, "no trajectories are in the file", "no_markers", "Export trajectories from Nexus",
+        advice = "Export its trajectories; rigid objects of Tracker are no markers of a person"
+        raise fault(path, "no trajectories are in the file", "no_markers", advice,
                     value=", ".join(title for _, title in titles))  # fmt: skip
     separator = next((each for each in ",;\t" if lines[begin + 3].startswith(f"Frame{each}Sub Frame")), None)
     if separator is None:
@@ -196,6 +200,8 @@ def _plain(path: Path, lines: list[str], at: int, separator: str, cells: list[st
     rate_row, key, rate = said.get("rate", (row, "time" if frame is None else cells[frame], ""))
     beside = ", ".join(cell for k, cell in enumerate(cells) if k not in used and cell)
     rows = [(k, line.replace('"', "")) for k, line in _filled(lines, row + units_row)]
+    if time is not None or frame is not None:  # Excel saves empty rows too
+        rows = [(k, line) for k, line in rows if line.strip(f"{separator} \t")]
     return Table("plain CSV", tuple(markers), tuple(markers.values()), len(cells), separator,
                  METRES[units.pop()] if units else None, number(path, rate, rate_row, key) if rate else None,
                  (rate_row, key), time, frame, told={"left_out": beside} if beside else {},
@@ -226,7 +232,7 @@ def _markers(path: Path, cells: list[str], row: int) -> dict[str, Triple]:
 
 def _numeric(cell: str) -> bool:
     try:
-        float(cell)
+        float(pointed(cell))
     except ValueError:
         return False
     return True

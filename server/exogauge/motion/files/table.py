@@ -59,7 +59,11 @@ def from_x(column: int) -> Triple:
 
 
 def points_of(path: Path, table: Table, rows: Rows) -> Captured:
-    """The markers of all rows. A point that is left empty, or at 0 0 0 exactly, was not seen."""
+    """The markers of all rows. A point that is left empty, or at 0 0 0 exactly, was not seen. Commas between other
+    separators are decimal ones, where no row has a point."""
+    told = dict(table.told)
+    if table.separator != "," and any("," in line for _, line in rows) and not any("." in line for _, line in rows):
+        rows, told["decimals"] = [(row, pointed(line)) for row, line in rows], "commas"
     if table.stated is not None and table.stated[0] != str(len(rows)):
         said, row, key = table.stated
         raise fault(path, f"{len(rows)} frames are there and {said or 'none'} announced", "frame_count",
@@ -85,8 +89,13 @@ def points_of(path: Path, table: Table, rows: Rows) -> Captured:
     points = position.reshape(len(rows), len(table.labels), 3)
     _whole(path, table, rows, points)
     points[(points == 0.0).all(axis=2)] = np.nan
-    return Captured(table.format, _times(path, table, time), table.unit, None, table.labels, points, told=table.told,
+    return Captured(table.format, _times(path, table, time), table.unit, None, table.labels, points, told=told,
                     row=rows[0][0] if rows else 1)  # fmt: skip
+
+
+def pointed(text: str) -> str:
+    """With decimal points in place of commas."""
+    return text.replace(",", ".")
 
 
 def _cells(path: Path, table: Table, row: int, line: str, last: bool) -> list[str]:

@@ -65,12 +65,16 @@ def observe(motion: HumanMotion, body: HumanBody, criteria: MotionFit) -> Observ
     seen = np.isfinite(markers.position[..., 0])
     kept = [m for m, label in enumerate(markers.labels) if label in markers.segment and seen[:, m].any()]
     segment = tuple(markers.segment[markers.labels[m]] for m in kept)
-    found = [place_of(markers.labels[m]) for m in kept]
+    found = [place_of(markers.labels[m], part) for m, part in zip(kept, segment, strict=True)]
     known = np.array([each is not None for each in found], dtype=bool)
     for part in ("pelvis", "thorax"):
         count = sum(each == part and bool(sure) for each, sure in zip(segment, known, strict=True))
         if count < criteria.fewest:
             advice = "Label them as Plug-in Gait, CMU, OpenCap or OptiTrack do"
+            sites = {(x, abs(y), z) for on, each in zip(segment, found, strict=True) if on == part and each is not None
+                     for x, y, z in (each[0],)}  # fmt: skip
+            if sites == {HIP}:
+                advice = "Centres of the hips do not say how it tilts: export markers, or those that Pose2Sim augments"
             raise _fault(motion, f"{count} markers of known place are seen on the {part}, {criteria.fewest} are needed",
                          "too_few_markers", advice, column=part)  # fmt: skip
         on = np.array([each == part for each in segment]) & known

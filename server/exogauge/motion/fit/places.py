@@ -19,7 +19,7 @@ LANDMARKS: Mapping[str, Place] = {
     "SACR V.SACRAL": (-0.10, 0.0, 0.10),
     "{s}FWT": (0.09, 0.12, 0.08),
     "{s}BWT": (-0.10, 0.06, 0.10),
-    "{s}_HJC {s}_HJC_REG {s}HJC": HIP,
+    "{s}_HJC {s}_HJC_REG {s}HJC pelvis:{s}HIP": HIP,
     "C7 BACKTOP SPINETOP CV7": (-0.06, 0.0, 0.43),
     "CLAV SJN": (0.06, 0.0, 0.36),
     "STRN SXS STERNUM": (0.10, 0.0, 0.21),
@@ -41,8 +41,8 @@ LANDMARKS: Mapping[str, Place] = {
     "{s}ANK {s}_ANKLE {s}ANKLEOUT {s}_FAL {s}FAL {s}.ANKLE.LAT {s}.ANKLE": (-0.01, 0.04, -SHANK),
     "{s}_MANKLE {s}ANKLEIN {s}_TAM {s}TAM {s}.ANKLE.MED {s}.ANKLE.MEDIAL": (0.0, -0.04, -SHANK),
     "{s}HEE {s}HEL {s}_CALC {s}HEEL {s}HEELBACK {s}_FCC {s}FCC {s}.HEEL": (-0.06, 0.0, -0.03),
-    "{s}TOE {s}_TOE {s}_FM2 {s}FM2 {s}.TOE {s}.TOE.TIP": (0.14, 0.0, -0.035),
-    "{s}MT5 {s}_5META {s}TOEOUT {s}FOREFOOTOUT {s}_FM5 {s}FM5": (0.10, 0.045, -0.05),
+    "{s}TOE {s}_TOE {s}_FM2 {s}FM2 {s}.TOE {s}.TOE.TIP {s}BIGTOE": (0.14, 0.0, -0.035),
+    "{s}MT5 {s}_5META {s}TOEOUT {s}FOREFOOTOUT {s}_FM5 {s}FM5 {s}SMALLTOE": (0.10, 0.045, -0.05),
     "{s}MT1 {s}TOEIN {s}FOREFOOTIN {s}_FM1 {s}FM1": (0.12, -0.04, -0.045),
     "{s}LATFOOT": (0.05, 0.045, -0.05),
 }
@@ -57,9 +57,12 @@ LOOSE: Mapping[str, Place] = {
 }  # fmt: skip
 
 
-def place_of(label: str) -> tuple[Place, bool] | None:
-    """Nominal place of a marker and whether it is a landmark; None where its name says no place."""
-    return _PLACES.get(alike(label))
+def place_of(label: str, part: str = "") -> tuple[Place, bool] | None:
+    """Nominal place of a marker and whether it is a landmark; None where its name says no place.
+
+    part: of the body on which its preset has it, as one name is elsewhere in another set.
+    """
+    return _PLACES.get(f"{part}:{alike(label)}") or _PLACES.get(alike(label))
 
 
 def _sides(table: Mapping[str, Place], landmark: bool) -> dict[str, tuple[Place, bool]]:
