@@ -6,7 +6,7 @@ outside forces at their via points, and the motors give what is then missing, fr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 
@@ -72,7 +72,7 @@ def suit() -> Device:
     return Device("suit", tuple(back_band(side, stiffness=1500.0, natural_length=lengths[side]) for side in lengths))
 
 
-def urdf() -> bytes:
+def urdf(joints: Mapping[str, tuple] = JOINTS) -> bytes:
     parts = []
     for link, (mass, size) in BODIES.items():
         Ixx, Iyy, Izz = (mass / 12 * (a**2 + b**2) for a, b in ((0.1, size), (0.12, size), (0.1, 0.12)))
@@ -81,7 +81,7 @@ def urdf() -> bytes:
             f'<link name="{link}"><inertial><origin xyz="0.01 0.005 {down}"/><mass value="{mass}"/>'
             f'<inertia ixx="{Ixx}" ixy="0" ixz="0.001" iyy="{Iyy}" iyz="0" izz="{Izz}"/></inertial></link>'
         )
-    for name, (parent, child, xyz, axis) in JOINTS.items():
+    for name, (parent, child, xyz, axis) in joints.items():
         parts.append(
             f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
             f'<origin xyz="{xyz[0]} {xyz[1]} {xyz[2]}"/><axis xyz="{axis[0]} {axis[1]} {axis[2]}"/>'

@@ -173,6 +173,16 @@ class Declaring:
     ft_tilt: float = criterion(
         0.0035, "rad", "a fifth of a degree about each axis, of a sensor bolted between flanges", judgement(USUAL)
     )
+    ft_place: float = criterion(
+        0.001, "m", "of a sensor's frame along each axis: links, flanges and their drawings", judgement(USUAL)
+    )
+    encoder_zero: float = criterion(
+        0.002, "rad", "a tenth of a degree, of a joint that was set to a mark or against a stop", judgement(USUAL)
+    )
+    clock: float = criterion(
+        0.001, "s", "between streams of one recording: a cycle of a bus, a fifth of a sample at 200 Hz",
+        judgement(USUAL),
+    )  # fmt: skip
     ft_zero_force: float = criterion(2.0, "N", "zero of a force that was not taken anew before a log", judgement(USUAL))
     ft_zero_moment: float = criterion(0.2, "N·m", "the same of a moment, at a tenth of a metre", judgement(USUAL))
     kt_drift: float = criterion(

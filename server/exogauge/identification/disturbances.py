@@ -15,9 +15,10 @@ from exogauge.effects.places import BaseChange
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.session import session
-from exogauge.identification.sites import response
+from exogauge.identification.sites import STEP, read_wrongly, response
 from exogauge.identification.solution import Solution
 from exogauge.identification.type_b import TypeB
+from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot
 from exogauge.robots.rows import RowType
 from exogauge.side_by_side import each as side_by_side
@@ -25,7 +26,8 @@ from exogauge.side_by_side import each as side_by_side
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-COMMON_GAIN, GAIN, SENSOR_TILT, ZERO, TILT = "ft_gain_common", "ft_gain", "ft_tilt", "ft_zero", "imu_tilt"
+COMMON_GAIN, GAIN, SENSOR_TILT, SENSOR_PLACE, ZERO = "ft_gain_common", "ft_gain", "ft_tilt", "ft_place", "ft_zero"
+TILT, ENCODER, CLOCK, IMU = "imu_tilt", "encoder_zero", "clock", "imu"
 DRIFTS = {"kt_drift": "motor_gain", "viscous_drift": "viscous", "coulomb_drift": "coulomb"}  # whose coefficient goes
 
 
@@ -47,8 +49,13 @@ def common_inputs(robot: Robot) -> tuple[tuple[str, ...], Array]:
         found.append((COMMON_GAIN, declared.ft_gain_common))
     found += [(f"{GAIN}.{name}", declared.ft_gain) for name in sensors]
     found += [(f"{SENSOR_TILT}.{name}.{axis}", declared.ft_tilt) for name in sensors for axis in "xyz"]
+    found += [(f"{SENSOR_PLACE}.{name}.{axis}", declared.ft_place) for name in sensors for axis in "xyz"]
+    found += [(f"{CLOCK}.{name}", declared.clock) for name in sensors]
     if robot.floating:
         found += [(f"{TILT}.{axis}", declared.imu_tilt) for axis in "xy"]
+        found.append((f"{CLOCK}.{IMU}", declared.clock))
+    found += [(f"{ENCODER}.{joint.name}", declared.encoder_zero) for joint in robot.joints
+              if joint.name not in robot.tree.sliding]  # fmt: skip
     live = [(name, std) for name, std in found if std > 0.0]
     return tuple(name for name, _ in live), np.array([std for _, std in live])
 
@@ -59,39 +66,50 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
     robot, told = equations.robot, equations.layout.told
     places = {name: place for place, name in enumerate(common_inputs(robot)[0])}
     columns = np.zeros((len(at), len(places), len(told)))
-    for sensor, read, acts in _sensors(equations, prepared, at) if places else ():
+    for sensor, every, acts in _sensors(equations, prepared, at) if places else ():
+        read = every[at]
         more = [(COMMON_GAIN, read), (f"{GAIN}.{sensor}", read)]
         for axis, about in zip("xyz", np.eye(3), strict=True):
             more.append((f"{SENSOR_TILT}.{sensor}.{axis}", np.cross(about, read.reshape(-1, 2, 3)).reshape(-1, 6)))
+            moment = np.cross(read[:, :3], about)  # of a force that is read at a place beside the frame's
+            more.append((f"{SENSOR_PLACE}.{sensor}.{axis}", np.hstack([np.zeros_like(moment), moment])))
+        if (late := f"{CLOCK}.{sensor}") in places:
+            more.append((late, -differentiate(every, prepared.log.rate_hz)[at]))
         for name, wrench in more:
             if name in places:  # y holds too much of it
                 columns[:, places[name]] -= np.einsum("nc,ncr->nr", wrench, acts)
-    for number, letter in enumerate("xy"):
-        if (name := f"{TILT}.{letter}") in places:
-            columns[:, places[name]] = _tilted(equations, prepared, number, cutoff_hz, phi)[at]
+    for name, change in _changes_of_base(equations, prepared):
+        if name in places:
+            columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
+    for number, joint in enumerate(robot.joints):
+        if (name := f"{ENCODER}.{joint.name}") in places:
+            unit = np.ones(prepared.motion.samples)
+            columns[:, places[name]] = read_wrongly(equations, cutoff_hz, phi, prepared, number, -STEP, STEP, unit)[at]
     return columns
 
 
 def _sensors(equations: Equations, prepared: Prepared, at: IntArray) -> Iterator[tuple[str, Array, Array]]:
-    """Name of each, what it reads (n, 6), and (n, 6, told rows) one newton and one newton metre of each component."""
+    """Name of each, what it reads (T, 6), and (n, 6, told rows) one newton and one newton metre of each component."""
     told = equations.layout.told
     for number, contact in enumerate(equations.robot.contacts):
         acts = np.zeros((len(at), 6, len(told)))
         acts[:, :, : told.axes.stop] = equations.acting_components(prepared, number, at)
-        yield contact.name, prepared.wrenches[at, number], acts
+        yield contact.name, prepared.wrenches[:, number], acts
     for number, cut in enumerate(equations.robot.cuts):
         first = told.axes.stop + 6 * number
         acts = np.zeros((len(at), 6, len(told)))
         acts[:, range(6), range(first, first + 6)] = 1.0
-        yield cut.name, prepared.carried[at, number], acts
+        yield cut.name, prepared.carried[:, number], acts
 
 
-def _tilted(equations: Equations, prepared: Prepared, axis: int, cutoff_hz: float, phi: Array) -> Array:
-    """(T, told rows) of an IMU that is turned about an axis of the base."""
-    motion, imu = prepared.motion, equations.robot.T_base_imu
+def _changes_of_base(equations: Equations, prepared: Prepared) -> Iterator[tuple[str, BaseChange]]:
+    """Of an IMU that is turned about an axis of the base, and of one that is late by a second."""
+    motion, imu, rate = prepared.motion, equations.robot.T_base_imu, prepared.log.rate_hz
     r = np.zeros(3) if imu is None else imu.translation
-    change: BaseChange = turned(np.eye(3)[axis], motion.acc, motion.gyro, motion.gyro_dot, r)
-    return response(equations, cutoff_hz, phi, prepared, change)
+    for axis, letter in zip(np.eye(3), "xy", strict=False):
+        yield f"{TILT}.{letter}", turned(axis, motion.acc, motion.gyro, motion.gyro_dot, r)
+    ahead = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
+    yield f"{CLOCK}.{IMU}", BaseChange(*ahead)
 
 
 def drifts_in_doubt(robot: Robot) -> dict[str, Array]:

@@ -206,7 +206,11 @@ class Equations:
 
     def acting(self, prepared: Prepared, wrenches: Array, samples: slice | IntArray = EVERY) -> Array:
         """The same of any wrenches (n, S, 6) at the contact sensors."""
-        return self._contacts.effect(prepared.motion.q[samples], wrenches)
+        return self.acting_at(prepared.motion.q[samples], wrenches)
+
+    def acting_at(self, q: Array, wrenches: Array) -> Array:
+        """The same in any postures (n, J)."""
+        return self._contacts.effect(q, wrenches)
 
     def acting_components(self, prepared: Prepared, sensor: int, samples: slice | IntArray = EVERY) -> Array:
         """(n, 6, rows) the same of one newton, and one newton metre, of each component at a contact sensor."""

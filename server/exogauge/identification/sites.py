@@ -208,41 +208,25 @@ class EncoderSite:
         time, position = prepared.log.time - prepared.log.time[0], prepared.motion.q[:, self.joint]
         signals = EncoderSignals(time, position)
         own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
-        phi = self._beyond(model.equations, model.bodies_in(prepared.log.recording))
+        phi = model.bodies_in(prepared.log.recording)
         slopes = dict[float, Array]()
+
+        def moved(low: float, high: float, error: Array) -> Array:
+            return read_wrongly(model.equations, model.cutoff_hz, phi, prepared, self.joint, low, high, error)
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             names, rows = [each.name for each in effect.coefficients], []
             for name, error in zip(names, effect.errors(signals, shape).T, strict=True):
                 size = found.get(name, 0.0)
                 if abs(size) > STEP:
-                    rows.append(self._moved(model, phi, prepared, 0.0, size, error)[:, own])
+                    rows.append(moved(0.0, size, error)[:, own])
                 else:
                     if not slopes:  # of the angle itself: every error goes along it
-                        slopes[STEP] = self._moved(model, phi, prepared, -STEP, STEP, np.ones_like(error))[:, own]
+                        slopes[STEP] = moved(-STEP, STEP, np.ones_like(error))[:, own]
                     rows.append(slopes[STEP] * error[:, None])
             return np.stack(rows, axis=1)
 
         return Seen(signals, columns)
-
-    def _beyond(self, equations: Equations, phi: Array) -> Array:
-        """phi (B,) of the links that the joint turns: no row feels its angle but by what these weigh."""
-        tree = equations.robot.tree
-        turned = subtree(tree)[int(np.flatnonzero(tree.dof == self.joint)[0])]
-        return np.where(turned[equations.base.columns // 10], phi, 0.0)
-
-    def _moved(self, model: RobotModel, phi: Array, prepared: Prepared, low: float, high: float, error: Array) -> Array:
-        """(T, told rows) what an error of the angle takes off each per unit, from `low` to `high` times it: as large
-        as it is held to be it is whole there, and no slope."""
-        samples, equations = prepared.motion.samples, model.equations
-        at = thinned(samples, prepared.log.rate_hz, model.cutoff_hz)
-        m, way = prepared.motion.rows(at), np.zeros((len(at), len(model.robot.joints)))
-        way[:, self.joint] = error[at]
-
-        def rows(step: float) -> Array:
-            return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
-
-        return at_all(samples, at, (rows(low) - rows(high)) / (high - low))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
@@ -417,3 +401,38 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
     else:
         found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
     return at_all(samples, at, found)
+
+
+def read_wrongly(
+    equations: Equations,
+    cutoff_hz: float,
+    phi: Array,
+    prepared: Prepared,
+    joint: int,
+    low: float,
+    high: float,
+    error: Array,
+) -> Array:
+    """(T, told rows) what an error (T,) of a joint's angle takes off each per unit, from `low` to `high` times it: as
+    large as it is held to be it is whole there, and no slope. phi: (B,) base parameters.
+
+    No row feels the angle but by what the links beyond it weigh, and by what acts on feet beyond it.
+    """
+    samples, tree = prepared.motion.samples, equations.robot.tree
+    at = thinned(samples, prepared.log.rate_hz, cutoff_hz)
+    m, way = prepared.motion.rows(at), np.zeros((len(at), len(equations.robot.joints)))
+    way[:, joint] = error[at]
+    turned_by_it = subtree(tree)[int(np.flatnonzero(tree.dof == joint)[0])]
+    beyond = np.where(turned_by_it[equations.base.columns // 10], phi, 0.0)
+    feet = [tree.frames[each.frame][0] for each in equations.robot.contacts]
+    bears = any(body >= 0 and turned_by_it[body] for body in feet)
+    rows_of_feet = slice(0, equations.layout.told.axes.stop)
+
+    def rows(step: float) -> Array:
+        q = m.q + step * way
+        found = equations.of_bodies(Motion(q, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), beyond)
+        if bears:
+            found[:, rows_of_feet] -= equations.acting_at(q, prepared.wrenches[at])
+        return found
+
+    return at_all(samples, at, (rows(low) - rows(high)) / (high - low))

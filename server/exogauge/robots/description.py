@@ -63,7 +63,9 @@ class Declared:
     """Standard uncertainties, one standard deviation each; 0: known, or left out of the budget.
 
     ft_gain: share by which one force/torque sensor reads too much, each for itself; ft_gain_common: all of them alike,
-    as after one calibration. ft_tilt [rad]: how one stands beside its frame, about each axis. ft_zero_force [N],
+    as after one calibration. ft_tilt [rad], ft_place [m]: how one stands beside its frame, about and along each axis.
+    encoder_zero [rad]: of each joint that turns. clock [s]: by which a force/torque sensor, or the IMU, is told later
+    than what drives and encoders read at the same instant. ft_zero_force [N],
     ft_zero_moment [N·m]: zero of one component, another in each log. kt_drift: share by which a motor gives more than
     k_T i, another in each log and joint; viscous_drift, coulomb_drift: by which it has more of that friction, the same.
     imu_tilt [rad]: of the IMU's mounting, about each axis across.
@@ -76,12 +78,15 @@ class Declared:
     ft_gain: float = 0.0
     ft_gain_common: float = 0.0
     ft_tilt: float = 0.0
+    ft_place: float = 0.0
     ft_zero_force: float = 0.0
     ft_zero_moment: float = 0.0
     kt_drift: float = 0.0
     viscous_drift: float = 0.0
     coulomb_drift: float = 0.0
     imu_tilt: float = 0.0
+    encoder_zero: float = 0.0
+    clock: float = 0.0
     zeros_taken_once: bool = False
     torque_zero: float = 0.0
     torque_zero_of: Mapping[str, float] = field(default_factory=dict)

@@ -282,12 +282,15 @@ class RobotUncertainty(_Part):
     ft_gain: NotNegative | None = None
     ft_gain_common: NotNegative | None = None
     ft_tilt: NotNegative | None = None
+    ft_place: NotNegative | None = None
     ft_zero_force: NotNegative | None = None
     ft_zero_moment: NotNegative | None = None
     kt_drift: NotNegative | None = None
     viscous_drift: NotNegative | None = None
     coulomb_drift: NotNegative | None = None
     imu_tilt: NotNegative | None = None
+    encoder_zero: NotNegative | None = None
+    clock: NotNegative | None = None
     torque_zero: NotNegative | dict[Name, NotNegative] | None = None
     zeros_taken: Literal["session"] | None = None
 

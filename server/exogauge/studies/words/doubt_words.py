@@ -20,6 +20,10 @@ SOURCES: dict[str, tuple[str, str]] = {
         "how each force/torque sensor stands on its link",
         "Load each sensor along one axis, see what the others read, turn its frame, and state the rest as ft_tilt.",
     ),
+    "ft_place": (
+        "where each force/torque sensor is",
+        "Measure each sensor's frame on the robot, put it into the URDF, and state the rest as ft_place.",
+    ),
     "ft_zero": ("zeros of the force/torque sensors", "Take zeros with the robot hanging, before each log."),
     "kt_drift": (
         "torque per ampere, drifting from log to log",
@@ -42,6 +46,14 @@ SOURCES: dict[str, tuple[str, str]] = {
         "Log what drives and sensors read without filters of their own, and at a higher rate.",
     ),
     "imu_tilt": ("mounting of the IMU", "Level the base against a spirit level, and state it as imu_tilt."),
+    "encoder_zero": (
+        "zeros of the encoders",
+        "Set each joint against a gauge or a level, and state what is left as encoder_zero.",
+    ),
+    "clock": (
+        "clocks of sensors and drives",
+        "Record all by one clock, or tap the robot and see how far the streams are apart, and state it as clock.",
+    ),
     "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),
     "donning": ("how the device was put on", "Mark where straps end, and state what is left as donning."),
 }
