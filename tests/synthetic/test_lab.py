@@ -26,6 +26,7 @@ from exogauge.synthetic.lab import drawn_lab
 from exogauge.synthetic.log_plans import LogPlan, log_plans
 from exogauge.synthetic.log_runs import Bench, run_log
 from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
+from exogauge.synthetic.sensors import ENCODER_STEP
 from exogauge.synthetic.simulation import LOG_RATE_HZ, Recording
 from exogauge.synthetic.study import write_study
 from exogauge.synthetic.suit import BANDS
@@ -376,3 +377,37 @@ def test_the_truth_tells_every_disturbance_with_its_numbers(tmp_path: Path) -> N
     assert robot.pop("zeros_taken") == "session"
     assert all(value > 0.0 for value in (*robot.values(), *device.values()))
     assert "laboratory" in study["name"]
+
+
+def test_a_foot_sensor_beside_its_frame_has_its_moments_about_there(make: Make) -> None:
+    folder = make("feet_place=20mm")
+    places = _truth(folder)["disturbances"]["feet_place"]["beside_m"]
+    told, true = (_wrench(each, "id_1") for each in (folder, make()))
+    np.testing.assert_allclose(told[..., :3], true[..., :3], atol=1e-3)
+    for f, foot in enumerate(FEET):
+        expected = -np.cross(places[foot], true[:, f, :3])
+        assert np.abs(expected).max() > 1.0
+        np.testing.assert_allclose((told - true)[:, f, 3:], expected, atol=0.1)  # forces are noisy, by a lever of 20 mm
+
+
+def test_encoders_count_from_zeros_of_their_own(make: Make) -> None:
+    folder = make("encoder_zeros=2mrad")
+    zeros = list(_truth(folder)["disturbances"]["encoder_zeros"]["zero"].values())
+    told, true = (_table(each, "id_1", "q.") for each in (folder, make()))
+    assert 1e-3 < np.std(zeros) < 3e-3
+    np.testing.assert_allclose(told - true, np.broadcast_to(zeros, told.shape), atol=2 * ENCODER_STEP)
+
+
+def test_streams_are_late_by_what_the_truth_says(make: Make) -> None:
+    """Ten samples and more, so that the shift is seen at a glance."""
+    folder = make("streams_late=50ms")
+    late = _truth(folder)["disturbances"]["streams_late"]["late_s"]
+    told, true, t = (
+        _table(folder, "id_1", "gyro."),
+        _table(make(), "id_1", "gyro."),
+        _table(folder, "id_1", "t")[:, 0],
+    )
+    np.testing.assert_array_equal(_table(folder, "id_1", "q."), _table(make(), "id_1", "q."))
+    shifts = np.linspace(-0.2, 0.2, 81)
+    misses = [np.sum((told - np.column_stack([np.interp(t - shift, t, c) for c in true.T])) ** 2) for shift in shifts]
+    assert shifts[int(np.argmin(misses))] == pytest.approx(late["imu"], abs=0.011)

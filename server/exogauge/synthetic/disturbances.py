@@ -49,6 +49,7 @@ CATALOGUE = (
     Disturbance("runs_timing", 5, "ms", "rms by which a run is ahead of or behind the plan, smoothly"),
     Disturbance("runs_offset", 3, "mrad", "rms by which two runs differ at every joint, by a constant", in_lab=False),
     Disturbance("encoder_steps", 3.8, "urad", "one count of every encoder, for the controller and in the log"),
+    Disturbance("encoder_zeros", 2, "mrad", "std of each encoder's zero, in the log"),
     Disturbance("kt_warming", 2, "%", "k_T falls by 0.5 to 1.5 times this over the session, each joint's own"),
     Disturbance("friction_warming", 10, "%", "the same of k_d; Coulomb friction falls by half as much"),
     Disturbance(
@@ -62,9 +63,11 @@ CATALOGUE = (
     Disturbance("foot_gains", 2, "%", "std of a foot sensor's gain; 0.8 of it common to both, 0.6 its own"),
     Disturbance("feet_drift", 5, "N", "zeros drift by 0.5 to 1 times this over the session; moments by 0.2 m of it"),
     Disturbance("feet_tilt", 0.2, "deg", "std of a foot sensor's tilt about each axis"),
+    Disturbance("feet_place", 1, "mm", "std of where a foot's sensor measures, along each axis, beside its frame"),
     Disturbance("imu_mounting", 0.5, "deg", "tilt of the IMU, to a random side, from where the URDF has it"),
     Disturbance("via_points", 5, "mm", "std of each coordinate of the via points as the device file states them"),
     Disturbance("donning", 3, "mm", "std of the bands' ends, each time the suit is put on; natural length 2/3 of it"),
+    Disturbance("streams_late", 1, "ms", "std by which each foot's sensor, and the IMU, is told later than all else"),
     Disturbance("clock_jitter", 50, "us", "std of a time stamp about the even clock of the samples"),
 )
 BY_NAME = {each.name: each for each in CATALOGUE}

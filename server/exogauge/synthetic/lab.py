@@ -34,7 +34,8 @@ class Lab:
     """What happens in this study, and when.
 
     gain: (2,) of the feet, 1 is right; drift: (2, 6) [N, N·m] of their zeros by the session's end; tilt: (2, 3) [rad]
-    rotation vectors of the feet, imu: (3,) that of the IMU; k_T, k_d: (J,) shares by which they fall from cold to the
+    rotation vectors of the feet, imu: (3,) that of the IMU; place: (2, 3) [m] of the feet's sensors; late: (3,) [s] of
+    them and of the IMU; encoder_zero: (J,) [rad]; k_T, k_d: (J,) shares by which they fall from cold to the
     session's end; load: (J,) share of the load that Coulomb friction grows by. The rest is drawn log by log.
     """
 
@@ -45,6 +46,9 @@ class Lab:
     drift: Array
     tilt: Array
     imu: Array
+    place: Array
+    late: Array
+    encoder_zero: Array
     k_T: Array
     k_d: Array
     load: Array
@@ -77,14 +81,15 @@ class Lab:
 
     def sensing(self, plan: LogPlan) -> Sensing | None:
         """How the sensors are wrong in this log; None: they have but noise."""
-        names = ("encoder_steps", "feet_gain", "foot_gains", "feet_drift", "feet_tilt", "imu_mounting", "clock_jitter")
-        if not any(name in self.sizes for name in names):
+        names = {"encoder_steps", "encoder_zeros", "feet_gain", "foot_gains", "feet_drift", "feet_tilt", "feet_place",
+                 "imu_mounting", "streams_late", "clock_jitter"}  # fmt: skip
+        if not names & set(self.sizes):
             return None
         start, end = self.session.start_s[plan.name], self.session.end_s
         jitter = stream(self.seed, f"clock_jitter {plan.name}")
         return Sensing(
-            self.encoder_step, self.gain, self.drift * start / end, self.drift / end, self.tilt, self.imu,
-            self.sizes.get("clock_jitter", 0.0), jitter,
+            self.encoder_step, self.encoder_zero, self.gain, self.drift * start / end, self.drift / end, self.tilt,
+            self.imu, self.place, self.late, self.sizes.get("clock_jitter", 0.0), jitter,
         )  # fmt: skip
 
     def worn(self, suit: Suit, plan: LogPlan) -> Suit:
@@ -129,6 +134,12 @@ class Lab:
             by_name["feet_drift"]["zero_at_end"] = dict(zip(FEET, self.drift.tolist(), strict=True))
         if "feet_tilt" in drawn:
             by_name["feet_tilt"]["rotation_vector"] = dict(zip(FEET, self.tilt.tolist(), strict=True))
+        if "feet_place" in drawn:
+            by_name["feet_place"]["beside_m"] = dict(zip(FEET, self.place.tolist(), strict=True))
+        if "encoder_zeros" in drawn:
+            by_name["encoder_zeros"]["zero"] = dict(zip(JOINT_NAMES, self.encoder_zero.tolist(), strict=True))
+        if "streams_late" in drawn:
+            by_name["streams_late"]["late_s"] = dict(zip((*FEET, "imu"), self.late.tolist(), strict=True))
         if "imu_mounting" in drawn:
             by_name["imu_mounting"]["rotation_vector"] = self.imu.tolist()
         if "via_points" in drawn:
@@ -179,6 +190,9 @@ def drawn_lab(seed: int, sizes: Disturbances, plans: Sequence[LogPlan]) -> Lab:
         drift=size("feet_drift") * way * np.repeat([1.0, MOMENT_ARM], 3),
         tilt=size("feet_tilt") * rng("feet_tilt").standard_normal((feet, 3)),
         imu=size("imu_mounting") * np.array([np.cos(side), np.sin(side), 0.0]),
+        place=size("feet_place") * rng("feet_place").standard_normal((feet, 3)),
+        late=size("streams_late") * rng("streams_late").standard_normal(feet + 1),
+        encoder_zero=size("encoder_zeros") * rng("encoder_zeros").standard_normal(joints),
         k_T=size("kt_warming") * rng("kt_warming").uniform(0.5, 1.5, joints),
         k_d=size("friction_warming") * rng("friction_warming").uniform(0.5, 1.5, joints),
         load=size("load_friction") * rng("load_friction").uniform(0.6, 1.4, joints),

@@ -156,8 +156,8 @@ def write_log(
     time, angle = recording.time, encoder(recording.q)
     acc, gyro, wrenches = recording.acc, recording.gyro, recording.wrench
     if sensing is not None:
-        time, angle = sensing.stamps(time), encoder(recording.q, sensing.encoder_step)
-        acc, gyro = sensing.inertial(acc), sensing.inertial(gyro)
+        time, angle = sensing.stamps(time), sensing.angles(recording.q)
+        acc, gyro = (sensing.inertial(each, recording.time) for each in (acc, gyro))
         wrenches = sensing.wrench(wrenches, recording.time)
     columns = {"t": pa.array(time)}
     columns |= {f"q.{name}": pa.array(a) for name, a in zip(JOINT_NAMES, angle.T, strict=True)}

@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
@@ -24,30 +25,40 @@ _MOST_JITTER = 4.0  # standard deviations
 @dataclass(frozen=True)
 class Sensing:
     """One log's sensors. encoder_step [rad]; gain: (2,) of the feet; zero: (2, 6) [N, N·m] when the log begins,
-    drift: (2, 6) of it per second; tilt: (2, 3), imu: (3,) [rad] rotation vectors, read = R true; jitter [s] of a
-    stamp, drawn by rng.
+    drift: (2, 6) of it per second; tilt: (2, 3), imu: (3,) [rad] rotation vectors, read = R true; place: (2, 3) [m] of
+    the feet's sensors, beside their frames; late: (3,) [s] by which they, and the IMU, are told later; encoder_zero:
+    (J,) [rad]; jitter [s] of a stamp, drawn by rng.
     """
 
     encoder_step: float
+    encoder_zero: Array
     gain: Array
     zero: Array
     drift: Array
     tilt: Array
     imu: Array
+    place: Array
+    late: Array
     jitter: float
     rng: np.random.Generator
 
     def wrench(self, true: Array, time: Array) -> Array:
         """(T, 2, 6) read by the feet, from the true one; time: (T,) [s] from the log's beginning."""
-        turned = np.stack(
-            [np.concatenate([true[:, f, :3] @ R.T, true[:, f, 3:] @ R.T], axis=1) for f, R in enumerate(self._tilts())],
-            axis=1,
-        )
+        read = list[Array]()
+        for foot, (R, place, late) in enumerate(zip(self._tilts(), self.place, self.late, strict=False)):
+            told = _later(true[:, foot], time, late)
+            force, moment = told[:, :3], told[:, 3:] - np.cross(place, told[:, :3])
+            read.append(np.concatenate([force @ R.T, moment @ R.T], axis=1))
+        turned = np.stack(read, axis=1)
         return np.asarray(self.gain[:, None] * turned + self.zero + time[:, None, None] * self.drift)
 
-    def inertial(self, true: Array) -> Array:
-        """(T, 3) read by the IMU."""
-        return np.asarray(true @ rotation(self.imu).T)
+    def inertial(self, true: Array, time: Array) -> Array:
+        """(T, 3) read by the IMU; time as above."""
+        return np.asarray(_later(true, time, self.late[-1]) @ rotation(self.imu).T)
+
+    def angles(self, true: Array) -> Array:
+        """(T, J) counted by the encoders."""
+        return encoder(true + self.encoder_zero, self.encoder_step)
 
     def stamps(self, time: Array) -> Array:
         """(T,) [s] what the log says of when its samples were taken."""
@@ -56,6 +67,13 @@ class Sensing:
 
     def _tilts(self) -> list[Array]:
         return [rotation(vector) for vector in self.tilt]
+
+
+def _later(values: Array, time: Array, late: float) -> Array:
+    """(T, K) what was so much earlier; before the log's beginning as at it."""
+    if late == 0.0:
+        return values
+    return np.asarray(CubicSpline(time, values)(np.clip(time - late, time[0], time[-1])))
 
 
 def encoder(angle: Array, step: float = ENCODER_STEP) -> Array:

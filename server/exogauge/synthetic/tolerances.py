@@ -39,6 +39,9 @@ TOLERANCES = (
         "feet_drift", "robot", "ft_zero_moment", "zero of a moment, the same [N·m]", MOMENT_ARM * _HALF_TO_WHOLE
     ),
     Tolerance("feet_tilt", "robot", "ft_tilt", "tilt of a foot sensor about each axis [rad]", 1.0),
+    Tolerance("feet_place", "robot", "ft_place", "place of a foot sensor along each axis [m]", 1.0),
+    Tolerance("encoder_zeros", "robot", "encoder_zero", "zero of each encoder [rad]", 1.0),
+    Tolerance("streams_late", "robot", "clock", "delay of each foot sensor and of the IMU [s]", 1.0),
     Tolerance("imu_mounting", "robot", "imu_tilt", "tilt about each horizontal axis [rad]", math.sqrt(0.5)),
     Tolerance("kt_warming", "robot", "kt_drift", "change of k_T over the session", _HALF_MORE),
     Tolerance("friction_warming", "robot", "viscous_drift", "change of k_d over the session", _HALF_MORE),
