@@ -51,7 +51,7 @@ def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("effect", ["band_hardening", "extra_band"])
+@pytest.mark.parametrize("effect", [pytest.param("band_hardening", marks=pytest.mark.thorough), "extra_band"])
 def test_what_a_band_lacks_is_named_and_every_step_comes_to_its_end(tmp_path: Path, effect: str) -> None:
     """On an upper body whose arms, which no band of its wear crosses, move as well."""
     answer = write_case(tmp_path / "case", 3, 1, "torso8", (effect,))
