@@ -42,7 +42,29 @@ def test_the_longest_unused_go_and_no_more_is_kept_than_there_is_room_for():
     assert kept.of(logs[0], "load", lambda: np.ones(100)).sum() == 0.0
     assert kept.of(logs[1], "load", lambda: np.ones(100)).sum() == 100.0
     kept.of(logs[2], "long", lambda: np.zeros(1000))
-    assert len(kept) == 0
+    assert len(kept) == 3, "what is larger than the room takes nobody's place"
+
+
+def test_who_takes_little_stays_through_passes_over_more_logs_than_there_is_room_for():
+    kept, logs, computed = PerLog(most_bytes=6 * 800 + 12 * 80), [log(str(k)) for k in range(12)], []
+
+    def load(of):
+        computed.append(of.name)
+        return np.zeros(10)
+
+    for _ in range(3):
+        for each in logs:
+            kept.of(each, "prepared", lambda: np.zeros(100))
+            kept.of(each, "load", lambda each=each: load(each))
+    assert computed == [each.name for each in logs], "the longest unused alone would have kept none until it is asked"
+
+
+def test_who_takes_little_goes_too_once_it_is_asked_no_more():
+    kept, old, logs = PerLog(most_bytes=3 * 800), log("old"), [log(str(k)) for k in range(60)]
+    kept.of(old, "load", lambda: np.zeros(50))
+    for each in logs:
+        kept.of(each, "prepared", lambda: np.zeros(100))
+    assert kept.of(old, "load", lambda: np.ones(50)).sum() == 50.0
 
 
 def test_arrays_count_once_however_deep_they_lie_and_the_log_does_not():

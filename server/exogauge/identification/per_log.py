@@ -21,7 +21,7 @@ MOST_BYTES = 150_000_000  # of all that share a room: four logs of 50 s and 34 j
 
 @final
 class PerLog:
-    """By what it is and by the log itself, never by its name; the longest unused go where there is no room for more.
+    """By what it is and by the log itself, never by its name; where there is no room for more some go (`_Room`).
 
     A log is kept with what was computed from it, so that no other takes its place. Threads may share it. All have one
     room, so that a model that is asked no more has nothing there after a while; most_bytes: in one of its own.
@@ -53,26 +53,37 @@ Key = tuple[int, str, int]  # whose, what, of which log
 
 @final
 class _Room:
-    """Two threads that ask for the same at once both compute it."""
+    """Who takes much goes before who takes little, and of the same size the longest unused: passes over all logs again
+    and again would find nothing where the longest unused alone went (GreedyDual-Size: Cao and Irani, USENIX 1997).
+
+    Two threads that ask for the same at once both compute it.
+    """
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes, self._bytes = most_bytes, 0
         self._kept: OrderedDict[Key, tuple[Log, Any, int]] = OrderedDict()
+        self._turn: dict[Key, float] = {}  # who goes next has the least
+        self._gone = 0.0  # the turn of who went last
         self._lock = RLock()  # who leaves may do so while something is put here
 
     def known(self, key: Key) -> tuple[Log, Any, int] | None:
         with self._lock:
             if key in self._kept:
-                self._kept.move_to_end(key)
+                self._used(key)
             return self._kept.get(key)
 
     def keep(self, key: Key, entry: tuple[Log, Any, int]) -> None:
         with self._lock:
             self._drop(key)
+            if entry[2] > self._most_bytes:
+                return
             self._kept[key] = entry
             self._bytes += entry[2]
+            self._used(key)
             while self._bytes > self._most_bytes:
-                self._drop(next(iter(self._kept)))
+                next_one = min(self._kept, key=self._turn.__getitem__)
+                self._gone = self._turn[next_one]
+                self._drop(next_one)
 
     def leave(self, who: int) -> None:
         with self._lock:
@@ -83,9 +94,14 @@ class _Room:
         with self._lock:
             return sum(key[0] == who for key in self._kept)
 
+    def _used(self, key: Key) -> None:
+        self._kept.move_to_end(key)
+        self._turn[key] = self._gone + 1.0 / max(self._kept[key][2], 1)
+
     def _drop(self, key: Key) -> None:
         if key in self._kept:
             self._bytes -= self._kept.pop(key)[2]
+            del self._turn[key]
 
 
 COMMON_ROOM = _Room(MOST_BYTES)
