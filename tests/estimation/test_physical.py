@@ -197,3 +197,24 @@ def test_a_humanoid_is_solved_within_seconds_and_every_body_is_possible(
     assert all_possible(solution.phi)
     assert np.linalg.eigvalsh(central_moments(solution.phi)).min() > 0
     np.testing.assert_allclose(solution.other, other, atol=0.3)
+
+
+@pytest.mark.parametrize("digits", [8, 10])
+def test_a_search_ends_though_some_rows_are_without_noise(digits: int) -> None:
+    """As of logs in which nothing moves and nothing flickers: a few combinations of bodies are known to many digits."""
+    rng = np.random.default_rng(3)
+    truth = bodies(rng, 4)
+    reference = disturbed(rng, truth, 0.2)
+    R, z = measured(rng, truth, np.zeros(0), 60, 1.0, rank=12)
+    exact = rng.normal(size=(6, truth.size)) / np.tile(UNITS, 4)
+    solution, plain = (
+        solve_physical(
+            np.vstack([R, sure * exact]), np.concatenate([z, sure * exact @ truth.ravel()]), reference, weight=0.5
+        )
+        for sure in (10.0**digits, 1e4)
+    )
+    assert solution.converged
+    assert all_possible(solution.phi)
+    scale = np.linalg.norm(exact, axis=1) * np.linalg.norm(truth)
+    assert np.max(np.abs(exact @ (solution.phi - truth).ravel()) / scale) < 1e-6
+    assert solution.phi == pytest.approx(plain.phi, rel=1e-3, abs=1e-3)
