@@ -21,6 +21,7 @@ from exogauge.errors import BadInput, BadLog, BadRobot, PhysicallyImpossible
 from exogauge.findings.as_told import by_importance
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
+from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Identification, Prediction
 from exogauge.logs.followed import followed
 from exogauge.logs.model import Log
@@ -70,7 +71,7 @@ from exogauge.support.evaluate import (
     consequences,
     gather_support,
 )
-from exogauge.support.result import Trial
+from exogauge.support.result import SupportResult, Trial
 from exogauge.support.settings import PlainLog, WornLog
 
 RESULT, REPORT, SERIES, URDF = "results.json", "report.html", "series", "identified.urdf"
@@ -155,24 +156,11 @@ def _evaluate(
         give_back()
         if worn:
             with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
-                span, twice = spans[Stage.SUPPORT], found.model is not bare
-                begin, untold = _part(0.0, 0.5, span) if twice else span, list[FailedStep]()
-                earlier: Consequences | None = None
-                with keeping(untold, "discrepancy"):
-                    if twice:  # first, as what logs say of two models is too much to be held at once
-                        earlier = consequences(bare, plain, worn, study.support_settings, begin)
-                        begin = _part(0.5, 1.0, span)
-                        give_back()
-                gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
-                support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
-                failed += untold
-                if discrepancy is not None and not untold and not spoiled:
-                    with keeping(failed, "discrepancy"):
-                        if earlier is not None:
-                            difference = before_after(earlier, (support, stiffness))
-                            discrepancy = replace(discrepancy, before_after=difference)
-                        discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
-                        stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
+                support, stiffness, discrepancy = _with_devices(
+                    study, found, bare, (plain, worn), (plain_now, worn_now),
+                    discrepancy, bool(spoiled), spans[Stage.SUPPORT], failed,
+                )  # fmt: skip
+        give_back()
         told_of = found.by_stated_constants()
         if spoiled:
             told_of = told_of.with_nothing_decided()
@@ -216,6 +204,40 @@ def _moving(study: Study) -> MotionRobot | None:
         return moving_robot(study.robot, study.robot_file, study.urdf, path)
     except BadRobot:
         return None
+
+
+def _with_devices(
+    study: Study,
+    found: Identification,
+    bare: RobotModel,
+    logs_of_bare: tuple[Sequence[PlainLog], Sequence[WornLog]],
+    logs: tuple[Sequence[PlainLog], Sequence[WornLog]],
+    discrepancy: Discrepancy | None,
+    spoiled: bool,
+    span: Progress,
+    failed: list[FailedStep],
+) -> tuple[SupportResult, tuple[StiffnessResult, ...], Discrepancy | None]:
+    """Supporting torque, bands, and what is missing with what the bands lack. bare: the model before anything was
+    named. What is gathered of the logs on the way is not held while results are written."""
+    (plain, worn), twice = logs, found.model is not bare
+    begin, untold = _part(0.0, 0.5, span) if twice else span, list[FailedStep]()
+    earlier: Consequences | None = None
+    with keeping(untold, "discrepancy"):
+        if twice:  # first, as what logs say of two models is too much to be held at once
+            earlier = consequences(bare, *logs_of_bare, study.support_settings, begin)
+            begin = _part(0.5, 1.0, span)
+            give_back()
+    gathered = gather_support(found.model, plain, worn, study.support_settings, begin)
+    support, stiffness = conclude_support(found.model, gathered, worn, study.support_settings, begin)
+    failed += untold
+    if discrepancy is not None and not untold and not spoiled:
+        with keeping(failed, "discrepancy"):
+            if earlier is not None:
+                difference = before_after(earlier, (support, stiffness))
+                discrepancy = replace(discrepancy, before_after=difference)
+            discrepancy = _with_wear(study, found, plain, gathered, stiffness, discrepancy, span)
+            stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
+    return support, stiffness, discrepancy
 
 
 def _with_wear(

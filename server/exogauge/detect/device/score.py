@@ -56,11 +56,14 @@ class Scorer:
 
     def _scores(self, effect: BandEffect, wire: int, shapes: Sequence[tuple[float, ...]]) -> Iterator[BandScore]:
         """Of those that show and that the springs cannot take the place of."""
+        held = 2_000_000  # values of columns at once: 16 MB
         k, l_0 = self.fitted.wear.spring(wire)
-        columns = self.setting.wires[wire].columns_of_all(effect, shapes, k, l_0)
-        for shape, X in zip(shapes, columns, strict=True):
-            if (scored := self._scored(effect, wire, shape, X)) is not None:
-                yield scored
+        together = max(1, held // (self._e.size * len(effect.coefficients)))
+        for some in (shapes[first : first + together] for first in range(0, len(shapes), together)):
+            columns = self.setting.wires[wire].columns_of_all(effect, some, k, l_0)
+            for shape, X in zip(some, columns, strict=True):
+                if (scored := self._scored(effect, wire, shape, X)) is not None:
+                    yield scored
 
     def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
         blind = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told

@@ -90,7 +90,8 @@ def _steps(
     """(N, 2) which feet stand, and (N, 2, 3) [m] the way of a lifted one from where it stands, in the body's axes: that
     of the person's foot from the straight line between where it leaves and where it comes down, in the robot's size.
     So the robot's foot comes down where it was; sideways it stays, as its feet are nearer to each other than a
-    person's. Begins and ends are eased; what is shorter than both stands.
+    person's. Begins and ends are eased, from the first node at which it does not stand to the last; what is shorter
+    than both stands.
 
     Raises BadMotion where a foot is up at either end.
     """
@@ -99,11 +100,17 @@ def _steps(
     if person.contacts is None or person.feet is None:
         return stands, ways
     ease = round(criteria.lift_s * criteria.nodes_per_s)
+    gently = (
+        ease + 2
+    )  # as it is still at two nodes more; over one more G1's pressure left by 1.8 mm where it comes down
     for f, touches in enumerate((person.contacts.left, person.contacts.right)):
         up = np.interp(time, person.time, touches.astype(float)) < 0.5
         path = np.stack([np.interp(time, person.time, each) for each in person.feet[:, f].T], axis=1)
         for start, length in zip(*runs(up), strict=True):
-            first, last = max(start - 1, 0), min(start + length, N - 1)
+            first, last = (
+                start,
+                start + length - 1,
+            )  # until the one, and from the other on, it may bear: there it is still
             if length < 2 * ease:
                 continue
             if start == 0 or start + length == N:
@@ -114,7 +121,7 @@ def _steps(
                 ))  # fmt: skip
             s = (np.arange(first, last + 1) - first) / (last - first)
             way = path[first : last + 1] - path[first] - s[:, None] * (path[last] - path[first])
-            w = np.clip(np.minimum(s, 1.0 - s) * (last - first) / ease, 0.0, 1.0)
+            w = np.clip(np.minimum(s, 1.0 - s) * (last - first) / gently, 0.0, 1.0)
             way = level.apply(slow(way, 1.0 / criteria.nodes_per_s, criteria.smooth_hz))
             way[:, 1] = 0.0
             way *= (w**3 * (10.0 - 15.0 * w + 6.0 * w**2))[:, None]
