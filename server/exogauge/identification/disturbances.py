@@ -17,6 +17,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.session import session
 from exogauge.identification.sites import STEP, read_wrongly, response
 from exogauge.identification.solution import Solution
+from exogauge.identification.thinned import at_all, thinned
 from exogauge.identification.type_b import TypeB
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot
@@ -81,10 +82,13 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
     for name, change in _changes_of_base(equations, prepared):
         if name in places:
             columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
+    samples = prepared.motion.samples
+    few = thinned(samples, prepared.log.rate_hz, cutoff_hz)
+    some, unit = at if len(at) <= len(few) else few, np.ones(samples)
     for number, joint in enumerate(robot.joints):
         if (name := f"{ENCODER}.{joint.name}") in places:
-            unit = np.ones(prepared.motion.samples)
-            columns[:, places[name]] = read_wrongly(equations, cutoff_hz, phi, prepared, number, -STEP, STEP, unit)[at]
+            found = read_wrongly(equations, phi, prepared, some, number, -STEP, STEP, unit)
+            columns[:, places[name]] = found if some is at else at_all(samples, few, found)[at]
     return columns
 
 

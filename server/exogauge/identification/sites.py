@@ -27,6 +27,7 @@ from exogauge.robots.rows import RowType
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
 
@@ -211,8 +212,11 @@ class EncoderSite:
         phi = model.bodies_in(prepared.log.recording)
         slopes = dict[float, Array]()
 
+        at = thinned(prepared.motion.samples, prepared.log.rate_hz, model.cutoff_hz)
+
         def moved(low: float, high: float, error: Array) -> Array:
-            return read_wrongly(model.equations, model.cutoff_hz, phi, prepared, self.joint, low, high, error)
+            found = read_wrongly(model.equations, phi, prepared, at, self.joint, low, high, error)
+            return at_all(prepared.motion.samples, at, found)
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             names, rows = [each.name for each in effect.coefficients], []
@@ -405,22 +409,20 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
 
 def read_wrongly(
     equations: Equations,
-    cutoff_hz: float,
     phi: Array,
     prepared: Prepared,
+    at: IntArray,
     joint: int,
     low: float,
     high: float,
     error: Array,
 ) -> Array:
-    """(T, told rows) what an error (T,) of a joint's angle takes off each per unit, from `low` to `high` times it: as
-    large as it is held to be it is whole there, and no slope. phi: (B,) base parameters.
+    """(n, told rows) what an error (T,) of a joint's angle takes off each at these samples per unit, from `low` to
+    `high` times it: as large as it is held to be it is whole there, and no slope. phi: (B,) base parameters.
 
     No row feels the angle but by what the links beyond it weigh, and by what acts on feet beyond it.
     """
-    samples, tree = prepared.motion.samples, equations.robot.tree
-    at = thinned(samples, prepared.log.rate_hz, cutoff_hz)
-    m, way = prepared.motion.rows(at), np.zeros((len(at), len(equations.robot.joints)))
+    tree, m, way = equations.robot.tree, prepared.motion.rows(at), np.zeros((len(at), len(equations.robot.joints)))
     way[:, joint] = error[at]
     turned_by_it = subtree(tree)[int(np.flatnonzero(tree.dof == joint)[0])]
     beyond = np.where(turned_by_it[equations.base.columns // 10], phi, 0.0)
@@ -435,4 +437,4 @@ def read_wrongly(
             found[:, rows_of_feet] -= equations.acting_at(q, prepared.wrenches[at])
         return found
 
-    return at_all(samples, at, (rows(low) - rows(high)) / (high - low))
+    return np.asarray((rows(low) - rows(high)) / (high - low))
