@@ -474,3 +474,63 @@ def test_what_is_not_read_is_refused_with_what_its_program_can_export(tmp_path: 
         open_motion(tmp_path / name)
     assert found.value.faults[0].rule == "unknown_format"
     assert advice in (found.value.faults[0].advice or "")
+
+
+@pytest.mark.parametrize("name", ["a.c3d", "a.trc", "a.csv", "a.bvh", "a.mot", "a.mvnx"])
+def test_what_was_fetched_in_place_of_a_capture_is_told(tmp_path: Path, name: str) -> None:
+    for text, what in (("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "Git LFS"),
+                       ("\n<!DOCTYPE html><html></html>", "web page")):  # fmt: skip
+        (tmp_path / name).write_text(text)
+        with pytest.raises(BadMotion, match=what) as refused:
+            open_motion(tmp_path / name)
+        assert refused.value.faults[0].rule == "stands_in"
+
+
+def test_a_skeleton_that_is_not_there_is_told(tmp_path: Path) -> None:
+    """A traceback."""
+    (tmp_path / "a.amc").write_text(AMC)
+    for skeleton in (tmp_path / "lost.asf", tmp_path):
+        with pytest.raises(BadMotion, match="no such file") as refused:
+            open_motion(tmp_path / "a.amc", skeleton=skeleton)
+        assert refused.value.faults[0].file == skeleton.name
+
+
+def test_two_people_with_the_same_labels_are_told(tmp_path: Path) -> None:
+    """«Which way is up is neither said nor seen» was all that was said."""
+    both = np.concatenate([body(), body() + np.array([0.0, 2.0, 0.0])], axis=1)
+    with pytest.raises(BadMotion, match="two people") as refused:
+        open_motion(trc(tmp_path / "a.trc", both, labels=LABELS * 2))
+    assert refused.value.faults[0].rule == "two_people"
+
+
+def test_a_person_who_is_not_in_the_file_is_told(tmp_path: Path) -> None:
+    """Whoever was there was read in their place."""
+    for labels, there in ((LABELS, "no prefixes"), (tuple(f"Ann:{label}" for label in LABELS), "There is Ann")):
+        with pytest.raises(BadMotion, match=there) as refused:
+            open_motion(trc(tmp_path / "a.trc", body(), labels=labels), subject="Ben")
+        assert refused.value.faults[0].rule == "no_subject"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("CHANNELS 3 Yrotation Xrotation", "CHANNELS 3 Xrotation Xrotation", "bad_channel"),
+        ("    OFFSET 0 30 0\n    CHANNELS 3 Y", "    CHANNELS 3 Y", "bad_offset"),
+        ("    }\n  }\n  JOINT LeftFoot", "    }\n  JOINT LeftFoot", "not_bvh"),
+        ("}\nMOTION", "MOTION", "not_bvh"),
+    ],
+)  # fmt: skip
+def test_a_bvh_that_would_be_another_body_is_refused(tmp_path: Path, old: str, new: str, rule: str) -> None:
+    """Each was read in silence: a turn lost, a bone without length, a foot on the head."""
+    assert BVH.count(old) == 1
+    (tmp_path / "a.bvh").write_text(BVH.replace(old, new))
+    with pytest.raises(BadMotion) as refused:
+        open_motion(tmp_path / "a.bvh", up="y", unit="cm")
+    assert refused.value.faults[0].rule == rule
+
+
+def test_a_coordinate_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    rows = "\n".join(f"{t / 10:.1f}\t{10.0 * t}\t{5.0 * t}" for t in range(9))
+    (tmp_path / "a.mot").write_text(f"Coordinates\ninDegrees=yes\nendheader\ntime\tknee\tknee\n{rows}\n")
+    with pytest.raises(BadMotion, match="two columns have one name"):
+        open_motion(tmp_path / "a.mot")

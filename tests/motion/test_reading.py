@@ -492,3 +492,21 @@ def test_a_point_beyond_any_room_was_not_seen(tmp_path: Path) -> None:
     assert np.isnan(motion.markers.position[3:5, 2]).all()
     assert np.isfinite(motion.markers.position).sum() == body().size - 6
     assert motion.told["far_away"] == "C7"
+
+
+def test_a_file_is_written_as_it_is_called(tmp_path: Path, capsys) -> None:
+    """numpy wrote a.txt.npz, and nobody said so."""
+    out = tmp_path / "a.txt"
+    assert main(["motion", "import", str(trc(tmp_path / "a.trc", body())), "--out", str(out)]) == 0
+    with np.load(out) as arrays:
+        assert arrays["position"].shape == (12, len(LABELS), 3)
+    assert not out.with_suffix(".txt.npz").exists()
+    capsys.readouterr()
+
+
+def test_the_command_says_plainly_what_of_its_options_is_wrong(tmp_path: Path, capsys) -> None:
+    file = str(trc(tmp_path / "a.trc", body()))
+    assert main(["motion", "retarget", file, "--robot", "robot.yaml", "--from", "5", "--to", "4"]) == 2
+    assert capsys.readouterr().err.strip().endswith("the end, 4 s, must come after the begin, 5 s")
+    assert main(["motion", "robot", str(tmp_path / "lost.urdf")]) == 2
+    assert "there is no such file" in capsys.readouterr().err

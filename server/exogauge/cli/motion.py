@@ -161,7 +161,9 @@ def write_robot(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_presets import known, preset_of, robot_file_of
 
     out = args.out or args.urdf.with_name("robot.yaml")
-    if not args.urdf.is_file() or out.resolve().parent != args.urdf.resolve().parent:
+    if not args.urdf.is_file():
+        raise BadRobot(Fault("there is no such file", "no_file", "Look at its name", args.urdf.name))
+    if out.resolve().parent != args.urdf.resolve().parent:
         raise BadRobot(Fault("robot.yaml and its URDF stand side by side", "no_file", "Copy the URDF there first",
                              args.urdf.name))  # fmt: skip
     if out.exists():
@@ -329,8 +331,9 @@ def _entry(given: Mapping[str, object]) -> RetargetEntry:
         return RetargetEntry.model_validate(given)
     except ValidationError as wrong:
         raise BadMotion([
-            Fault(each["msg"], each["type"], column=".".join(map(str, each["loc"])), value=str(each["input"])[:200])
-            for each in wrong.errors()
+            Fault(each["msg"].removeprefix("Value error, "), each["type"],
+                  column=".".join(map(str, each["loc"])) or None,
+                  value=str(each["input"])[:200] if each["loc"] else None) for each in wrong.errors()
         ]) from wrong  # fmt: skip
 
 

@@ -76,7 +76,7 @@ class RetargetEntry(_Part):
     def something_is_left(self) -> RetargetEntry:
         """The cut ends after it begins."""
         if self.end is not None and self.end <= self.begin:
-            raise ValueError("end must come after begin")
+            raise ValueError(f"the end, {self.end:g} s, must come after the begin, {self.begin:g} s")
         return self
 
 

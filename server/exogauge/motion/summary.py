@@ -52,4 +52,5 @@ def write_arrays(motion: HumanMotion, path: Path) -> None:
         arrays |= {"names": np.array(motion.angles.names), "value": motion.angles.value}
     if motion.contacts is not None:
         arrays |= {"left_stands": motion.contacts.left, "right_stands": motion.contacts.right}
-    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
+    with path.open("wb") as stream:  # as it is called: numpy would add .npz
+        np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]

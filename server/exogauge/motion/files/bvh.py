@@ -29,7 +29,7 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
         if word in ("ROOT", "JOINT"):
             parent.append(open_[-1] if open_ else -1)
             names.append(" ".join(words[1:]))
-            offset.append(np.zeros(3))
+            offset.append(np.full(3, np.nan))
             end.append(np.full(3, np.nan))
             channels.append([])
             open_.append(len(names) - 1)
@@ -49,6 +49,9 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
                 raise fault(path, "this channel is neither a position nor a rotation", "bad_channel",
                             "Export the skeleton with Xposition … Zrotation alone: no scales, no quaternions", row=row,
                             column=names[open_[-1]], value=other[0])  # fmt: skip
+            if len(set(channels[open_[-1]])) < len(channels[open_[-1]]):
+                raise fault(path, "a channel is named twice", "bad_channel", "Name each axis once", row=row,
+                            column=names[open_[-1]], value=" ".join(words[2:]))  # fmt: skip
         elif word == "}":
             if at_end:
                 at_end = False
@@ -60,6 +63,12 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
     if begin is None or not names or len(lines) < begin + 3:
         raise fault(path, "no skeleton with a motion is described", "not_bvh",
                     "A BVH file has HIERARCHY, then MOTION")  # fmt: skip
+    if open_ or at_end:
+        last = names[open_[-1] if open_ else 0]
+        raise fault(path, f"the braces of {last} are not closed", "not_bvh", "One } on a line of its own for every {",
+                    row=begin, column=last)  # fmt: skip
+    if lost := [name for name, each in zip(names, offset, strict=True) if np.isnan(each).any()]:
+        raise fault(path, "a bone has no OFFSET", "bad_offset", "Export the file again", column=lost[0])
     if parent.count(-1) > 1:
         raise fault(path, "the file holds more than one skeleton", "two_people", "Export each person alone")
     count, text = (lines[begin + k].replace(":", " ").split()[-1] for k in (0, 1))

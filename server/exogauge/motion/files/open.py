@@ -17,6 +17,7 @@ from exogauge.motion.human import HumanMotion, Markers
 from exogauge.motion.presets import carried_by, recognise, subjects
 from exogauge.motion.sides import DOUBT, WHY, exchanged
 from exogauge.robots.moving.segments import Segment
+from exogauge.stand_ins import stands_in
 
 Array = NDArray[np.float64]
 FORMATS = "C3D, TRC, TSV of Qualisys, CSV of Motive, of Nexus or plain, MVNX, MOT, STO, BVH or AMC"
@@ -48,8 +49,12 @@ def open_motion(
         raise fault(path, "there is no such file", "no_file", "Look at its name")
     if path.stat().st_size > USUAL.most_bytes:
         raise fault(path, "the file is too large", "too_large", "Cut the motion", value=f"{path.stat().st_size} bytes")
-    with path.open("rb") as stream:
-        head = stream.read(512)
+    if skeleton is not None and not skeleton.is_file():
+        raise fault(skeleton, "there is no such file", "no_file", "Look at the name of the skeleton")
+    for each in (path, *([skeleton] if skeleton is not None else [])):
+        if other := stands_in(_head(each)):
+            raise fault(each, f"is {other[0]}", "stands_in", other[1])
+    head = _head(path)
     try:
         captured = _read(path, head, skeleton, angle)
     except (ValueError, IndexError, KeyError, OverflowError, csv.Error) as problem:  # what no rule of a reader foresaw
@@ -58,6 +63,11 @@ def open_motion(
     if isinstance(captured, HumanMotion):
         return captured
     return _canonical(path, _renamed(path, _one_person(path, captured, subject), names or {}), up, unit)
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as stream:
+        return stream.read(512)
 
 
 def _read(path: Path, head: bytes, skeleton: Path | None, angle: str | None) -> Captured | HumanMotion:
@@ -107,6 +117,11 @@ def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured
     if len(people) > 1 and not chosen:
         raise fault(path, f"{len(people)} people are in the file", "two_people",
                     f"Say which one: {', '.join(sorted(of[:-1] for of in people))}", column="subject",
+                    value=subject)  # fmt: skip
+    if subject is not None and not chosen:
+        named = ", ".join(sorted(of[:-1] for of in {*people, *colons} if of))
+        raise fault(path, "nobody of that name is in the file", "no_subject",
+                    f"There is {named}" if named else "Its labels have no prefixes: leave it out", column="subject",
                     value=subject)  # fmt: skip
     of = next(iter(chosen or people), "")
     if of:
@@ -242,6 +257,10 @@ def _up(
                         f"Say which way is up: {seen}, or {read} of somebody who lies", column="up",
                         value=read)  # fmt: skip
         return captured.up, f"read: {_name(captured.up)}"
+    if tall is None and (twice := captured.told.get("duplicates")) is not None:
+        raise fault(path, "labels are there more than once: two people, or a joined file", "two_people",
+                    "Put a name before the labels of each, as Ann:LASI, or export each alone", column="subject",
+                    value=twice[:80])  # fmt: skip
     if tall is None:
         detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"
         advice = "Say what yours are called elsewhere (`names`, --name OWN=KNOWN), or up = x, y or z"

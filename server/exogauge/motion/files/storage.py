@@ -40,6 +40,9 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
                     column="DataType", value=header["datatype"])  # fmt: skip
     (head, words), *rows = [(k, line.split()) for k, line in enumerate(lines[end + 1 :], start=end + 2) if line.strip()]
     names = words
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise fault(path, "two columns have one name", "column_twice", "Name each once", row=head, column=twice)
     stated = header.get("nrows", header.get("datarows", str(len(rows))))
     if stated != str(len(rows)):
         raise fault(path, f"{len(rows)} rows are there and {stated} announced", "frame_count",
