@@ -275,7 +275,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
-    from exogauge.motion.plan.outcome import frame_by_frame_words, summarise
+    from exogauge.motion.plan.outcome import AS_READ, frame_by_frame_words, summarise
     from exogauge.motion.plan.solve import Round
     from exogauge.motion.retargeting import person_in, retargeted
     from exogauge.motion.robot_file import load_motion_robot
@@ -294,6 +294,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, nodes, holds: print(
         f"{what} {value:.2f}, {nodes} nodes: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
     said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
+    if found.as_read:
+        said[AS_READ] = "; ".join(found.as_read)
     if found.alone is not None:
         said["frame by frame"] = frame_by_frame_words(found.alone[1])
     if (could := found.could) is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import final
@@ -183,16 +183,15 @@ def choose_strength(
     folds = [fold for fold in folds if fold.count @ (weights > 0.0) > 0]
     if len(folds) < criteria.fewest_folds:
         return 1.0, ()
-    before = list(itertools.accumulate(folds[:-1], initial=folds[0].cleared()))
-    behind = list(itertools.accumulate(folds[:0:-1], initial=folds[0].cleared()))[::-1]
     rows = np.array([float(fold.count @ (weights > 0.0)) for fold in folds])
 
-    def of_fold(index: int) -> list[float]:
-        rest = (before[index] + behind[index]).square_root(weights)
+    def of_fold(left_out: tuple[Statistics, Statistics, float]) -> list[float]:
+        rest, fold, count = left_out[0].square_root(weights), *left_out[1:]
         xs = (PriorLeastSquares(rest, prior, strength).x for strength in STRENGTHS[kind])
-        return [float(weights @ folds[index].residual_square_sum(x) / rows[index]) for x in xs]
+        return [float(weights @ fold.residual_square_sum(x) / count) for x in xs]
 
-    scores = np.ascontiguousarray(np.array(list(side_by_side(of_fold, range(len(folds))))).T)
+    each_left_out = zip(_rests(folds), folds, rows.tolist(), strict=True)
+    scores = np.ascontiguousarray(np.array(list(side_by_side(of_fold, each_left_out))).T)
     mean = scores @ rows / rows.sum()
     excess = scores - scores[np.argmin(mean)]
     error = excess.std(axis=1, ddof=1) / np.sqrt(len(folds))
@@ -200,3 +199,12 @@ def choose_strength(
     as_good = [s for s, a, m in zip(STRENGTHS[kind], allowed, mean, strict=True) if m - mean.min() <= a]
     curve = tuple((float(s), float(m)) for s, m in zip(STRENGTHS[kind], mean, strict=True))
     return min(as_good, key=lambda s: abs(np.log(s))), curve
+
+
+def _rests(folds: Sequence[Statistics]) -> Iterator[Statistics]:
+    """Of each fold the sum of all others, those before and those behind it; none is held longer than it is needed."""
+    behind = list(itertools.accumulate(folds[:0:-1], initial=folds[0].cleared()))
+    before = folds[0].cleared()
+    for fold in folds:
+        yield before + behind.pop()
+        before = before + fold

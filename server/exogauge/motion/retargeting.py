@@ -15,12 +15,14 @@ from exogauge.motion.human import HumanMotion
 from exogauge.motion.person import Person, person_of, person_of_fit
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.frame_by_frame import frame_by_frame
-from exogauge.motion.plan.judge import Judged
+from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.possible import Again, Possible, Tried, paced, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import Planned, Report
 from exogauge.motion.plan.within import plan_within
+from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import base_on, standing
 
 Array = NDArray[np.float64]
 
@@ -30,7 +32,8 @@ Array = NDArray[np.float64]
 class Retargeted:
     """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
     where nobody asked, nothing is broken, or another home is what would do. alone: each frame by itself, None where
-    nothing was planned."""
+    nothing was planned. as_read: what whoever reads the table of a plan that breaks nothing finds broken: feet that
+    stand are still there, and between its rows lies a cubic."""
 
     robot: MotionRobot
     person: Person
@@ -40,6 +43,7 @@ class Retargeted:
     judged: Judged
     could: Possible | None
     alone: tuple[Planned, Judged] | None
+    as_read: tuple[str, ...] = ()
 
 
 def with_margin(margin_m: float) -> MotionPlan:
@@ -91,4 +95,14 @@ def retargeted(
     if judged.broken and wanted.what_would_do:
         could = what_would_do(robot, criteria, again(robot, person, wanted), wanted.rate_hz, tried)
     alone = frame_by_frame(robot, asked, criteria, wanted.rate_hz) if planned.rounds else None
-    return Retargeted(robot, own, asked, missed, planned, judged, could, alone)
+    as_read = () if judged.broken else read_again(robot, judged, criteria, wanted.rate_hz).broken
+    return Retargeted(robot, own, asked, missed, planned, judged, could, alone, as_read)
+
+
+def read_again(robot: MotionRobot, judged: Judged, criteria: MotionPlan, rate: float) -> Judged:
+    """What the samples are as a table of them is read, distances aside: its angles are those that were judged."""
+    q = judged.q.copy()
+    if robot.floating:
+        q[:, : robot.base] = base_on(robot, q, judged.stands)
+    table = Written(judged.time, q, (), judged.stands)
+    return judge(replace(robot, shapes=()), table, standing(robot), criteria, rate, table)

@@ -83,7 +83,9 @@ class Problem:
         for _ in range(0 if eyes else _passes(self.settings.criteria.search, effects) - 1):
             seen = Extension(seen_by, tuple(effects), floors)
             seen_by = seen_by_effects(robot, self.recordings, self.settings, seen)
-        return identify(robot, self.recordings, self.settings, extension=Extension(seen_by, tuple(effects), floors))
+        found = identify(robot, self.recordings, self.settings, extension=Extension(seen_by, tuple(effects), floors))
+        give_back()
+        return found
 
 
 @final

@@ -251,6 +251,7 @@ def _with_wear(
 ) -> Discrepancy:
     """What the model of the wear lacks, behind what that of the robot lacked."""
     progress(0.99, Doing.LOOKING_FOR_BAND_EFFECTS, "the bands")
+    give_back()
     beyond = look_beyond(found.model, gathered, plain, study.support_settings)
     complete = find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
     return replace(complete, findings=by_importance(complete.findings))

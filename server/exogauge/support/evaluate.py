@@ -106,6 +106,8 @@ def gather_support(
             evidences.append(evidence)
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
+    del balances
+    give_back()
     names = [model.robot.joints[j].name for j in joints]
     notes = (
         *notes_on_logs(_used(plain, worn), worn),

@@ -21,6 +21,7 @@ from exogauge.studies.csv_table import csv_table
 
 PLACES = 8  # decimals: a ten-thousandth of what an encoder tells
 UNBOUNDED = 1e-6  # share of a bound: makers write 1e9 where they know none
+AS_READ = "read from the table"  # what `check` finds of it
 Told = dict[str, str | float | list[str]]
 
 

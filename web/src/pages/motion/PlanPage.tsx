@@ -160,7 +160,7 @@ function WouldDo({ plan }: { plan: Plan }) {
 
 /** The rest that was told, in the service’s own words. */
 function Told({ plan }: { plan: Plan }) {
-  const shown = ["feet that stand", "identified up to", ...(plan.kind === "excite" ? ["motion"] : []), "not looked at", "may touch"];
+  const shown = ["feet that stand", "identified up to", ...(plan.kind === "excite" ? ["motion"] : []), "not looked at", "may touch", "read from the table"];
   const told = Object.entries(plan.found!.told).filter(([key, value]) => shown.includes(key) && (!Array.isArray(value) || value.length > 0));
   if (!told.length) return null;
   return (
