@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, final
@@ -74,5 +75,7 @@ def _torques(results: dict[str, Any], truth: dict[str, Any]) -> Iterator[Told]:
             numbers = {by: each["approaches"][by][quantity] for by in ("A", "B", "paired") if by in each["approaches"]}
             for by, number in {**numbers, "headline": each[quantity]}.items():
                 if number and number["value"] is not None and number["std"]:
-                    name = f"{quantity}[{each['motion']}, {each['joint']}]"
-                    yield Told(f"{quantity}, {by}", name, number["value"], number["std"], true[quantity], True)
+                    name, value = f"{quantity}[{each['motion']}, {each['joint']}]", number["value"]
+                    size = true[quantity]  # of a peak whichever side it is told of: both are claimed to be no larger
+                    size = math.copysign(size, value) if quantity == "peak" else size
+                    yield Told(f"{quantity}, {by}", name, value, number["std"], size, True)

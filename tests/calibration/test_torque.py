@@ -50,3 +50,17 @@ def test_peaks_and_means_count_by_approach_and_as_the_headline(found: dict) -> N
     assert numbers[0].inside(0.95)
     assert not numbers[0].inside(0.05)
     assert calibration(numbers, "one sample").count("<polyline") == 2
+
+
+def test_a_peak_of_the_other_side_is_held_against_the_larger_one(found: dict) -> None:
+    for value, inside in ((2.05, True), (1.5, False)):
+        support = {
+            "motion": "twist",
+            "joint": "yaw",
+            "peak": {"value": value, "std": 0.1},
+            "mean": None,
+            "approaches": {},
+        }
+        truth = {"joints": {}, "parameters": {}, "devices": {}, "torque": found}
+        (number,) = told({"identification": {"parameters": []}, "stiffness": [], "support": [support]}, truth)
+        assert number.inside(0.95) == inside

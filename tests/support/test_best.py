@@ -55,6 +55,19 @@ def test_a_peak_is_not_too_large_because_its_largest_sample_was_chosen():
     assert abs(np.mean(errors)) < 0.12
 
 
+def test_a_motion_that_goes_both_ways_is_read_on_one_side_in_all_its_runs():
+    """A mean over one run's left and another's right is of neither."""
+    rng, time = np.random.default_rng(1), np.arange(0.0, 14.0, 0.01)
+    twist = np.sin(2.0 * np.pi * time / 14.0)
+    for _ in range(20):
+        runs = [3.0 * twist + 0.1 * np.repeat(rng.standard_normal(28), 50) for _ in range(3)]
+        used = [np.ones_like(time, dtype=bool)] * 3
+        places = peak_places([time] * 3, same_moments([time] * 3, [0.0] * 3), runs, [None] * 3, used, 0.2)
+        values = [value for _, value in places]
+        assert abs(np.sum(np.sign(values))) == 3
+        assert np.abs(values) == pytest.approx(3.0, abs=0.45)
+
+
 def test_runs_that_begin_at_other_times_are_read_at_the_same_moment():
     time = np.arange(0.0, 10.0, 0.01)
     runs = [np.exp(-((time - 5.0 - shift) ** 2)) for shift in (0.0, 0.7)]

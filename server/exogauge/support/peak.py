@@ -1,7 +1,8 @@
 """The peak of a motion without the bias of a maximum: where it lies is read from other data than how large it is.
 
 The largest of many noisy samples is too large. Repetitions tell where the peak is, each time without the one that is
-read; of a single run the band model tells. Only where there is neither, the run tells itself.
+read; of a single run the band model tells. Only where there is neither, the run tells itself. A twist goes both ways,
+hardly further to one side than to the other: all runs are read on the side on which they are larger together.
 """
 
 from __future__ import annotations
@@ -50,19 +51,20 @@ def peak_places(
     (T_k,). seconds: that a mean lasts.
     """
     smooth = [_smooth(t, line, own, seconds) for t, line, own in zip(times, lines, used, strict=True)]
-    places: list[tuple[int, float] | None] = []
+    tells = list[Array | None]()
     for k, (time, own) in enumerate(zip(times, smooth, strict=True)):
         others = [np.where(there, smooth[j][nearest], np.nan) for j, (nearest, there) in moments[k].items()]
         model = models[k]
         where = _mean(others) if others else own if model is None else _smooth(time, model, used[k], seconds)
-        found = np.isfinite(own) & np.isfinite(where)
-        if not found.any():
-            found, where = np.isfinite(own), own
-        if not found.any():
-            places.append(None)
-            continue
-        top = int(np.argmax(np.where(found, np.abs(where), -1.0)))
-        places.append((top, float(own[top])))
+        both = np.where(np.isfinite(own), where, np.nan)
+        both = both if np.isfinite(both).any() else own
+        tells.append(both if np.isfinite(both).any() else None)
+    known = [each for each in tells if each is not None]
+    side = 1.0 if sum(float(np.nanmax(each) + np.nanmin(each)) for each in known) >= 0.0 else -1.0
+    places: list[tuple[int, float] | None] = []
+    for each, own in zip(tells, smooth, strict=True):
+        top = None if each is None else int(np.nanargmax(side * each))
+        places.append(None if top is None else (top, float(own[top])))
     return places
 
 
