@@ -68,9 +68,11 @@ class _Room:
 
     def known(self, key: Key) -> tuple[Log, Any, int] | None:
         with self._lock:
-            if key in self._kept:
-                self._used(key)
-            return self._kept.get(key)
+            found = self._kept.get(key)
+            if found is not None:
+                self._kept.move_to_end(key)
+                self._turn[key] = self._gone + 1.0 / max(found[2], 1)
+            return found
 
     def keep(self, key: Key, entry: tuple[Log, Any, int]) -> None:
         with self._lock:
@@ -79,7 +81,7 @@ class _Room:
                 return
             self._kept[key] = entry
             self._bytes += entry[2]
-            self._used(key)
+            self._turn[key] = self._gone + 1.0 / max(entry[2], 1)
             while self._bytes > self._most_bytes:
                 next_one = min(self._kept, key=self._turn.__getitem__)
                 self._gone = self._turn[next_one]
@@ -93,10 +95,6 @@ class _Room:
     def count(self, who: int) -> int:
         with self._lock:
             return sum(key[0] == who for key in self._kept)
-
-    def _used(self, key: Key) -> None:
-        self._kept.move_to_end(key)
-        self._turn[key] = self._gone + 1.0 / max(self._kept[key][2], 1)
 
     def _drop(self, key: Key) -> None:
         if key in self._kept:
