@@ -206,7 +206,7 @@ class Equations:
 
     def acting(self, prepared: Prepared, wrenches: Array, samples: slice | IntArray = EVERY) -> Array:
         """The same of any wrenches (n, S, 6) at the contact sensors."""
-        return self.acting_at(prepared.motion.q[samples], wrenches)
+        return self._contacts.effect(prepared.motion.q[samples], wrenches)
 
     def acting_at(self, q: Array, wrenches: Array) -> Array:
         """The same in any postures (n, J)."""
