@@ -700,7 +700,8 @@ def test_a_table_says_which_foot_is_up_and_is_judged_on_the_one_that_stands(
     assert said["broken"] == []
     assert float(said["centre of pressure"].split()[0]) == pytest.approx(1e3 * judged.inside.min(), abs=1.0)
     read = read_again(robot, judged, SOON, 200.0)
-    assert float(said["centre of pressure"].split()[0]) == pytest.approx(1e3 * read.inside.min(), abs=0.051)
+    # told to a tenth of a millimetre, of a table whose last digits move that by a few micrometres
+    assert float(said["centre of pressure"].split()[0]) == pytest.approx(1e3 * read.inside.min(), abs=0.055)
     assert read.broken == ()
     assert said["feet that lift"].startswith("l_foot from 1.2")
     for form, rate in (("csv", "500"), ("mujoco", "1000"), ("hrpsys", "200")):
