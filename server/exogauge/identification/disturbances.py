@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -79,9 +79,8 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
         for name, wrench in more:
             if name in places:  # y holds too much of it
                 columns[:, places[name]] -= np.einsum("nc,ncr->nr", wrench, acts)
-    for name, change in _changes_of_base(equations, prepared):
-        if name in places:
-            columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
+    for name, change in _changes_of_base(equations, prepared, places):
+        columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
     samples = prepared.motion.samples
     few = thinned(samples, prepared.log.rate_hz, cutoff_hz)
     some, unit = at if len(at) <= len(few) else few, np.ones(samples)
@@ -106,14 +105,17 @@ def _sensors(equations: Equations, prepared: Prepared, at: IntArray) -> Iterator
         yield cut.name, prepared.carried[:, number], acts
 
 
-def _changes_of_base(equations: Equations, prepared: Prepared) -> Iterator[tuple[str, BaseChange]]:
-    """Of an IMU that is turned about an axis of the base, and of one that is late by a second."""
+def _changes_of_base(
+    equations: Equations, prepared: Prepared, declared: Container[str]
+) -> Iterator[tuple[str, BaseChange]]:
+    """Of an IMU that is turned about an axis of the base, and of one that is late by a second; those declared."""
     motion, imu, rate = prepared.motion, equations.robot.T_base_imu, prepared.log.rate_hz
     r = np.zeros(3) if imu is None else imu.translation
-    for axis, letter in zip(np.eye(3), "xy", strict=False):
-        yield f"{TILT}.{letter}", turned(axis, motion.acc, motion.gyro, motion.gyro_dot, r)
-    ahead = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
-    yield f"{CLOCK}.{IMU}", BaseChange(*ahead)
+    for axis, letter in zip(np.eye(3)[:2], "xy", strict=True):
+        if (name := f"{TILT}.{letter}") in declared:
+            yield name, turned(axis, motion.acc, motion.gyro, motion.gyro_dot, r)
+    if (name := f"{CLOCK}.{IMU}") in declared:
+        yield name, BaseChange(*(differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot)))
 
 
 def drifts_in_doubt(robot: Robot) -> dict[str, Array]:

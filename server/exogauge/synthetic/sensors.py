@@ -45,12 +45,11 @@ class Sensing:
     def wrench(self, true: Array, time: Array) -> Array:
         """(T, 2, 6) read by the feet, from the true one; time: (T,) [s] from the log's beginning."""
         read = list[Array]()
-        for foot, (R, place, late) in enumerate(zip(self._tilts(), self.place, self.late, strict=False)):
+        for foot, (R, place, late) in enumerate(zip(self._tilts(), self.place, self.late[:-1], strict=True)):
             told = _later(true[:, foot], time, late)
             force, moment = told[:, :3], told[:, 3:] - np.cross(place, told[:, :3])
             read.append(np.concatenate([force @ R.T, moment @ R.T], axis=1))
-        turned = np.stack(read, axis=1)
-        return np.asarray(self.gain[:, None] * turned + self.zero + time[:, None, None] * self.drift)
+        return np.asarray(self.gain[:, None] * np.stack(read, axis=1) + self.zero + time[:, None, None] * self.drift)
 
     def inertial(self, true: Array, time: Array) -> Array:
         """(T, 3) read by the IMU; time as above."""

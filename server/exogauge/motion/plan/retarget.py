@@ -100,17 +100,12 @@ def _steps(
     if person.contacts is None or person.feet is None:
         return stands, ways
     ease = round(criteria.lift_s * criteria.nodes_per_s)
-    gently = (
-        ease + 2
-    )  # as it is still at two nodes more; over one more G1's pressure left by 1.8 mm where it comes down
+    gently = ease + 2  # it is still at two nodes more; over one more G1's pressure left by 1.8 mm where it comes down
     for f, touches in enumerate((person.contacts.left, person.contacts.right)):
         up = np.interp(time, person.time, touches.astype(float)) < 0.5
         path = np.stack([np.interp(time, person.time, each) for each in person.feet[:, f].T], axis=1)
         for start, length in zip(*runs(up), strict=True):
-            first, last = (
-                start,
-                start + length - 1,
-            )  # until the one, and from the other on, it may bear: there it is still
+            first, last = start, start + length - 1  # until the one, and from the other on, it may bear: still there
             if length < 2 * ease:
                 continue
             if start == 0 or start + length == N:
