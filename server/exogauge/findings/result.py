@@ -19,6 +19,7 @@ from exogauge.support.band_fit import NamedBands
 Array = NDArray[np.float64]
 
 Coordinate = Literal["time", "speed", "position", "load"]
+KNOWN = 1e-3  # of what is left: a lower floor is that of rounding
 What = Literal["robot", "bands", "effect", "own_curve", "remainder"]
 
 
@@ -56,6 +57,18 @@ class HeldOut:
     def falls(self, judging: Judging) -> bool:
         """By more than what a last digit says."""
         return self.rmse_after <= judging.falls * self.rmse_before
+
+    @property
+    def floors(self) -> float:
+        """That are left."""
+        return self.rmse_after / self.noise_floor if self.noise_floor > 0.0 else float("inf")
+
+    def of_another_law(self, judging: Judging) -> bool:
+        """Whether as much is left as the noise, and more of what was there than a law leaves that is not quite right.
+        A floor that is none by the digits of the numbers tells nothing."""
+        as_noise = self.rmse_after >= judging.as_noise * self.noise_floor >= KNOWN * self.rmse_after
+        before, after = (each**2 - self.noise_floor**2 for each in (self.rmse_before, self.rmse_after))
+        return as_noise and after > judging.of_its_law * before
 
     @property
     def explained(self) -> float:
