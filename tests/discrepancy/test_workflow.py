@@ -38,7 +38,7 @@ late = late_by(0.03)
 def wound(m):
     """A cable that winds up beyond an angle: while it winds on it rubs along, and pulls more than on its way back."""
     beyond = np.maximum(m.q - 0.1, 0.0)
-    return 2.5 * beyond**1.3 * np.exp(0.9 * np.sign(m.v) * beyond)
+    return 4.0 * beyond**1.3 * np.exp(0.6 * np.sign(m.v) * beyond)
 
 
 def named(found):

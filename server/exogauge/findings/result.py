@@ -19,7 +19,6 @@ from exogauge.support.band_fit import NamedBands
 Array = NDArray[np.float64]
 
 Coordinate = Literal["time", "speed", "position", "load"]
-KNOWN = 1e-3  # of what is left: a lower floor is that of rounding
 What = Literal["robot", "bands", "effect", "own_curve", "remainder"]
 
 
@@ -64,9 +63,9 @@ class HeldOut:
         return self.rmse_after / self.noise_floor if self.noise_floor > 0.0 else float("inf")
 
     def of_another_law(self, judging: Judging) -> bool:
-        """Whether as much is left as the noise, and more of what was there than a law leaves that is not quite right.
-        A floor that is none by the digits of the numbers tells nothing."""
-        as_noise = self.rmse_after >= judging.as_noise * self.noise_floor >= KNOWN * self.rmse_after
+        """Whether as much is left as the noise, and more of what was there than a law leaves that is nearly right."""
+        rounding = 1e3  # noise floors: where more is left, there is no noise but that of digits
+        as_noise = judging.as_noise <= self.floors <= rounding
         before, after = (each**2 - self.noise_floor**2 for each in (self.rmse_before, self.rmse_after))
         return as_noise and after > judging.of_its_law * before
 

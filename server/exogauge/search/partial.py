@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from exogauge.findings.result import KNOWN, Finding, HeldOut
+from exogauge.findings.result import Finding, HeldOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
@@ -71,9 +71,10 @@ def _objection(
     if share >= criteria.mostly and most >= criteria.hardly and not edge:
         return None
     bar = criteria.far_above if most >= criteria.hardly and not edge else criteria.above
+    known = 1e-3  # of what is left: a lower floor is that of rounding
     for channel in channels:
         left, floor = _held_out(found, channel)
-        if np.isfinite(left) and left >= bar * floor >= KNOWN * left:
+        if np.isfinite(left) and left >= bar * floor >= known * left:
             if edge:
                 return Objection(Why.AT_ITS_EDGE, left / floor, of=(channel,))
             return Objection(Why.PARTIAL, max(share, 0.0), left / floor, of=(channel,))
