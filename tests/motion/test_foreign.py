@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.motion.captures import bow, bvh
+from tests.motion.tables import motive, nexus, qualisys
 from tests.motion.test_reading import AMC, ASF, BVH, LABELS, OURS, body, c3d, named, trc
 
 from exogauge.errors import BadMotion
@@ -32,7 +33,8 @@ def flexion(path: Path, angle: str | None = None) -> np.ndarray:
     ("old", "new"),
     [
         ("\n{", " {"), ("JOINT", "Joint"), ("OFFSET", "Offset"), ("CHANNELS", "Channels"), ("ROOT", "root"),
-        ("Frames: ", "Frames:"), ("Frames: ", "Frames:\t"), ("\n", "\r\n"), ("  ", "\t"),
+        ("Frames: ", "Frames:"), ("Frames: ", "Frames:\t"), ("\n", "\r\n"), ("  ", "\t"), ("MOTION\n", "\nMOTION\n\n"),
+        ("Frame Time", "\nFrame Time"), ("\n", "\r\r\n"),
     ],
 )  # fmt: skip
 def test_a_bvh_is_spelled_as_its_program_likes(tmp_path: Path, old: str, new: str) -> None:
@@ -40,6 +42,27 @@ def test_a_bvh_is_spelled_as_its_program_likes(tmp_path: Path, old: str, new: st
     text = bvh(bow(30.0)).decode().replace("\n  {", "\n{")
     (tmp_path / "a.bvh").write_text(text.replace(old, new), newline="")
     assert flexion(tmp_path / "a.bvh") == pytest.approx(bow(30.0), abs=1e-4)
+
+
+def test_a_bvh_without_a_frame_is_refused_where_it_counts_them(tmp_path: Path) -> None:
+    head, _ = BVH.split("Frames: 2\n")
+    (tmp_path / "a.bvh").write_text(f"{head}\nFrames: 0\nFrame Time: 0.01\n")
+    assert refused(tmp_path / "a.bvh") == ("frame_count", head.count("\n") + 2)
+    (tmp_path / "b.bvh").write_text(f"{head}Frames: 2\n\n")
+    assert refused(tmp_path / "b.bvh") == ("not_bvh", None)
+
+
+@pytest.mark.parametrize("name", ["a.trc", "b.tsv", "c.csv", "d.csv"])
+def test_a_line_that_ends_twice_is_one(tmp_path: Path, name: str) -> None:
+    """As it is written where a program ends a line as Windows does, into a file that does so too."""
+    made = {"a.trc": lambda: trc(tmp_path / "made.trc", body()).read_text(), "b.tsv": lambda: qualisys(body(), LABELS),
+            "c.csv": lambda: motive(body(), LABELS), "d.csv": lambda: nexus(body(), LABELS)}  # fmt: skip
+    text, found = made[name](), []
+    for end in ("\n", "\r\r\n"):
+        (tmp_path / name).write_bytes(text.replace("\n", end).encode())
+        found.append(open_motion(tmp_path / name).markers.position)
+    assert found[0].shape == body().shape
+    assert (found[0] == found[1]).all()
 
 
 def test_a_channel_that_is_neither_place_nor_turn_is_refused(tmp_path: Path) -> None:

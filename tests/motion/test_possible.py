@@ -70,7 +70,9 @@ def test_what_would_do_is_looked_for_in_the_very_plans_that_are_asked_for_then(r
         assert criteria == criteria_of(told)
         then, _ = ask(robot, changed(person, told), criteria_of(told))
         assert (asked.q == then.q).all()
-        assert asked.step == then.step == told.slow / USUAL.nodes_per_s
+        assert asked.step == then.step
+        rows = asked.step * told.rate_hz  # as many nodes as at least so many a second, each on a row
+        assert rows == pytest.approx(np.floor(told.slow / USUAL.nodes_per_s * told.rate_hz))
 
 
 @pytest.mark.parametrize(("safe", "edge"), [(4.0, 1.557), (0.0, 0.938)])

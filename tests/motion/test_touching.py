@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import trimesh
 import yaml
@@ -17,13 +18,14 @@ from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadRobot
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import judge
+from exogauge.motion.plan.outcome import may_touch
 from exogauge.motion.plan.rows import shares, slopes
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import through
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot, Shape
 from exogauge.robots.moving.standing import standing
-from exogauge.robots.moving.touching import FLOOR, Pairs
+from exogauge.robots.moving.touching import FLOOR, Pairs, hulls_alone
 from exogauge.synthetic.urdf import robot_urdf
 
 
@@ -133,6 +135,37 @@ def test_arms_that_are_asked_into_the_trunk_stay_out(robot: MotionRobot, pairs: 
     assert all(tuple(pair) in pairs.left_out or tuple(pair)[::-1] in pairs.left_out or FLOOR in pair for pair in seen)
 
 
+def test_what_touches_only_as_a_convex_hull_is_told_by_name_with_how_far_its_mesh_is(robot: MotionRobot) -> None:
+    """The left hand holds two plates, 6 cm on either side of the right one; the hull of both goes through it."""
+    left, right = "l_hand", "r_hand"
+    pin.forwardKinematics(robot.model, robot.data, robot.home)
+    here, there = (
+        pin.updateFramePlacement(robot.model, robot.data, robot.frame(each)).copy() for each in (left, right)
+    )
+    plate = trimesh.creation.box((0.2, 0.02, 0.2))
+    plates = trimesh.util.concatenate([plate.copy().apply_translation([0.0, side * 0.1, 0.0]) for side in (-1.0, 1.0)])
+    hollow = Shape(left, "hull", (), here.actInv(there), np.asarray(plates.vertices),
+                   (np.asarray(plates.vertices), np.asarray(plates.faces, dtype=np.intp)))  # fmt: skip
+    ball = Shape(right, "sphere", (0.03,))
+    holds = replace(robot, shapes=(*(each for each in robot.shapes if each.link not in (left, right)), hollow, ball))
+    pairs = Pairs(holds, USUAL.clearance_m)
+    assert (left, right) in pairs.left_out
+    assert hulls_alone(holds, [(left, right)], USUAL.clearance_m)[left, right] == pytest.approx(0.06, abs=1e-6)
+    said = may_touch(holds, pairs.left_out)
+    assert "l_hand and r_hand (60 mm)" in said["touch as hulls"]
+    assert "l_hand and r_hand" not in said["may touch"]
+    assert "BODY and chest" in said["may touch"]
+    solid = replace(holds, shapes=(*holds.shapes[:-2], replace(hollow, mesh=None), ball))
+    assert "l_hand and r_hand" in may_touch(solid, Pairs(solid, USUAL.clearance_m).left_out)["may touch"]
+    away = holds.home.copy()
+    away[holds.base + holds.joints.index("r_shoulder_roll")] -= 1.0
+    elsewhere = replace(holds, home=away)  # from where they come together
+    still = through(np.tile(holds.home, (5, 1)), 0.1)
+    told = judge(elsewhere, still, standing(holds)).broken
+    (line,) = (line for line in told if line.startswith("distance of l_hand and r_hand"))
+    assert line.endswith("as convex hulls, the surfaces of their meshes are 0.06 m apart then")
+
+
 def test_shapes_of_the_file_stand_in_for_those_of_the_urdf(folder: Path, tmp_path: Path) -> None:
     whole = yaml.safe_load((folder / "robot.yaml").read_text())
     block = {"capsule": [0.05, 0.1], "xyz": [0.0, 0.0, -0.06], "rpy": [0.0, 1.57, 0.0]}
@@ -166,6 +199,8 @@ def test_a_mesh_becomes_its_hull_and_one_that_is_not_there_is_told(
     trimesh.creation.box((0.04, 0.08, 0.1)).export(tmp_path / "hand.stl")
     meshed = load_motion_robot(tmp_path / "robot.yaml")
     assert meshed.shapeless == ()
+    (hand,) = (shape for shape in meshed.shapes if shape.link == "l_hand")
+    assert np.ptp(hand.mesh[0], axis=0) == pytest.approx([0.04, 0.08, 0.1])
     q = anywhere(robot, 3, 3)
     ours, theirs = Pairs(robot, 0.01).near(q, 0.3), Pairs(meshed, 0.01).near(q, 0.3)
     assert (ours.pair == theirs.pair).all()

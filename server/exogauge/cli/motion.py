@@ -187,7 +187,7 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
     import yaml
 
     from exogauge.criteria.motion_plan import USUAL
-    from exogauge.motion.plan.outcome import unseen
+    from exogauge.motion.plan.outcome import may_touch, unseen
     from exogauge.motion.robot_draft import arms_aside, draft_of
     from exogauge.motion.robot_file import load_motion_robot
     from exogauge.robots.moving.touching import Pairs
@@ -209,10 +209,8 @@ def _draft_robot(file: Path, urdf: bytes, out: Path) -> int:
     if robot is not None:
         near = Pairs(robot, USUAL.clearance_m).left_out
         said = {"robot": robot.name, "mass": f"{robot.mass:.1f} kg"}
-        if near:
-            said["may touch"] = (", ".join(" and ".join(pair) for pair in near)
-                                 + f": nearer than {1e3 * USUAL.clearance_m:g} mm at home, and so never looked at; "
-                                 "move `home` where that is not meant")  # fmt: skip
+        said |= may_touch(robot, near, f": nearer than {1e3 * USUAL.clearance_m:g} mm at home, and so never looked at; "
+                                       "move `home` where that is not meant")  # fmt: skip
         _print(said | unseen(robot), False)
     _print({"written": out.name}, False)
     return 1 if lacks else 0
@@ -275,7 +273,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
-    from exogauge.motion.plan.outcome import AS_READ, frame_by_frame_words, summarise
+    from exogauge.motion.plan.outcome import frame_by_frame_words, summarise
     from exogauge.motion.plan.solve import Round
     from exogauge.motion.retargeting import person_in, retargeted
     from exogauge.motion.robot_file import load_motion_robot
@@ -294,8 +292,6 @@ def retarget_motion(args: argparse.Namespace) -> int:
     found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, nodes, holds: print(
         f"{what} {value:.2f}, {nodes} nodes: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
     said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
-    if found.as_read:
-        said[AS_READ] = "; ".join(found.as_read)
     if found.alone is not None:
         said["frame by frame"] = frame_by_frame_words(found.alone[1])
     if (could := found.could) is not None:

@@ -13,7 +13,7 @@ from exogauge.motion.channels import KINDS, bound_shares
 from exogauge.motion.excite.plan import ExcitationPlan
 from exogauge.motion.excite.plan import summarise as tell_excitation
 from exogauge.motion.plan.judge import Judged
-from exogauge.motion.plan.outcome import AS_READ, frame_by_frame_words, summarise
+from exogauge.motion.plan.outcome import frame_by_frame_words, summarise
 from exogauge.motion.retargeting import Retargeted
 from exogauge.robots.moving.robot import MotionRobot
 
@@ -39,8 +39,6 @@ def retarget_document(found: Retargeted) -> dict[str, Any]:
             "most": float(np.abs(off).max()) if len(off) else None,
         })  # fmt: skip
     told = summarise(robot, found.person, found.asked, found.missed, found.planned, judged)
-    if found.as_read:
-        told[AS_READ] = "; ".join(found.as_read)
     alone = None
     if found.alone is not None:
         other, seen = found.alone

@@ -15,14 +15,12 @@ from exogauge.motion.human import HumanMotion
 from exogauge.motion.person import Person, person_of, person_of_fit
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.frame_by_frame import frame_by_frame
-from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.possible import Again, Possible, Tried, paced, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import Planned, Report
 from exogauge.motion.plan.within import plan_within
-from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
-from exogauge.robots.moving.standing import base_on, standing
 
 Array = NDArray[np.float64]
 
@@ -32,8 +30,7 @@ Array = NDArray[np.float64]
 class Retargeted:
     """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
     where nobody asked, nothing is broken, or another home is what would do. alone: each frame by itself, None where
-    nothing was planned. as_read: what whoever reads the table of a plan that breaks nothing finds broken: feet that
-    stand are still there, and between its rows lies a cubic."""
+    nothing was planned."""
 
     robot: MotionRobot
     person: Person
@@ -43,7 +40,6 @@ class Retargeted:
     judged: Judged
     could: Possible | None
     alone: tuple[Planned, Judged] | None
-    as_read: tuple[str, ...] = ()
 
 
 def with_margin(margin_m: float) -> MotionPlan:
@@ -54,7 +50,7 @@ def with_margin(margin_m: float) -> MotionPlan:
 
 def criteria_of(wanted: RetargetEntry) -> MotionPlan:
     """What decides when that is planned."""
-    return paced(with_margin(wanted.margin_m), wanted.slow)
+    return paced(with_margin(wanted.margin_m), wanted.slow, wanted.rate_hz)
 
 
 def again(robot: MotionRobot, person: Person, wanted: RetargetEntry) -> Again:
@@ -90,19 +86,10 @@ def retargeted(
     own, criteria = changed(person, wanted), criteria_of(wanted)
     asked, missed = ask(robot, own, criteria)
     planned, judged = plan_within(robot, asked, criteria, report, wanted.rate_hz)
-
+    if planned.spline.step < asked.step and (finer := asked.finer(wanted.rate_hz)) is not None:  # planned anew so
+        asked, missed = finer, np.interp(finer.time, asked.time, missed)
     could = None
     if judged.broken and wanted.what_would_do:
         could = what_would_do(robot, criteria, again(robot, person, wanted), wanted.rate_hz, tried)
     alone = frame_by_frame(robot, asked, criteria, wanted.rate_hz) if planned.rounds else None
-    as_read = () if judged.broken else read_again(robot, judged, criteria, wanted.rate_hz).broken
-    return Retargeted(robot, own, asked, missed, planned, judged, could, alone, as_read)
-
-
-def read_again(robot: MotionRobot, judged: Judged, criteria: MotionPlan, rate: float) -> Judged:
-    """What the samples are as a table of them is read, distances aside: its angles are those that were judged."""
-    q = judged.q.copy()
-    if robot.floating:
-        q[:, : robot.base] = base_on(robot, q, judged.stands)
-    table = Written(judged.time, q, (), judged.stands)
-    return judge(replace(robot, shapes=()), table, standing(robot), criteria, rate, table)
+    return Retargeted(robot, own, asked, missed, planned, judged, could, alone)

@@ -60,9 +60,12 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
         elif word == "MOTION":
             begin = row
             break
-    if begin is None or not names or len(lines) < begin + 3:
+    below = [
+        (row, line) for row, line in enumerate(lines, start=1) if begin is not None and row > begin and line.strip()
+    ]
+    if begin is None or not names or len(below) < 2:
         raise fault(path, "no skeleton with a motion is described", "not_bvh",
-                    "A BVH file has HIERARCHY, then MOTION")  # fmt: skip
+                    "A BVH file has HIERARCHY, then MOTION, Frames and Frame Time")  # fmt: skip
     if open_ or at_end:
         last = names[open_[-1] if open_ else 0]
         raise fault(path, f"the braces of {last} are not closed", "not_bvh", "One } on a line of its own for every {",
@@ -71,18 +74,18 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
         raise fault(path, "a bone has no OFFSET", "bad_offset", "Export the file again", column=lost[0])
     if parent.count(-1) > 1:
         raise fault(path, "the file holds more than one skeleton", "two_people", "Export each person alone")
-    count, text = (lines[begin + k].replace(":", " ").split()[-1] for k in (0, 1))
-    step = number(path, text, begin + 2, "Frame Time")
-    rows = [(row, line.split()) for row, line in enumerate(lines[begin + 2 :], start=begin + 3) if line.strip()]
+    (count_at, count), (step_at, text) = ((row, line.replace(":", " ").split()[-1]) for row, line in below[:2])
+    step = number(path, text, step_at, "Frame Time")
+    rows = [(row, line.split()) for row, line in below[2:]]
     if step <= 0.0:
         raise fault(path, "a frame takes no time", "no_rate", "Frame Time is that of one frame, in seconds",
-                    row=begin + 2, column="Frame Time", value=f"{step:g}")  # fmt: skip
+                    row=step_at, column="Frame Time", value=f"{step:g}")  # fmt: skip
     told = {} if angle is None else {"angles": f"stated: {angle}"}
     if rows and count == str(len(rows) - 1):
         told["frames"] = f"{len(rows)}, one more than Frames says: it is the last one's number, as Rokoko writes"
     elif count != str(len(rows)) or not rows:
         raise fault(path, f"{len(rows)} frames are there and {count} announced", "frame_count",
-                    "The file was cut off, or joined of two: export it again", row=begin + 1, value=count)  # fmt: skip
+                    "The file was cut off, or joined of two: export it again", row=count_at, value=count)  # fmt: skip
     wide = sum(len(each) for each in channels)
     for row, words in rows:
         if len(words) != wide:

@@ -58,12 +58,13 @@ class Captured:
 
 
 def lines_of(path: Path) -> list[str]:
-    """Lines of a text file without their ends. Raises BadMotion where there is none, or where it is no text."""
+    """Lines of a text file without their ends, of which \\r\\r\\n is one: programs on Windows write it that end a line
+    twice. Raises BadMotion where there is none, or where it is no text."""
     data = path.read_bytes()
     if not data.strip():
         raise fault(path, "the file is empty", "empty_file", "Export the motion again")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return data.decode("utf-16", errors="replace").splitlines()
+        return data.decode("utf-16", errors="replace").replace("\r\r\n", "\n").splitlines()
     if b"\0" in data[:4096]:
         raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
     try:
@@ -71,7 +72,7 @@ def lines_of(path: Path) -> list[str]:
     except UnicodeDecodeError:  # as programs on Windows write letters with accents
         text = data.decode("cp1252", errors="replace")
     del data  # of ten million markers 350 MB
-    return text.splitlines()
+    return text.replace("\r\r\n", "\n").splitlines()
 
 
 def fault(

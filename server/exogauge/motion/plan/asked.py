@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from exogauge.robots.moving.robot import MotionRobot
 
@@ -39,6 +40,28 @@ class Asked:
         """From node `begin` to node `end`, both in it."""
         part = slice(begin, end + 1)
         return replace(self, q=self.q[part], stands=self.stands[part], place=self.place[part])
+
+    def finer(self, rate: float) -> Asked | None:
+        """The same on about half as many rows of a table of `rate` [Hz] a node, a foot standing from and until the same
+        moments; ended at rest where its last node lies beyond. None where a row has a node already."""
+        step = max(1, round(0.5 * self.step * rate)) / rate
+        if step >= self.step:
+            return None
+        last = self.time[-1]
+        time = np.minimum(step * np.arange(int(np.ceil(last / step - 1e-9)) + 1), last)
+        before = np.minimum(np.floor(time / self.step + 1e-9).astype(int), len(self.q) - 1)
+        after = np.minimum(np.ceil(time / self.step - 1e-9).astype(int), len(self.q) - 1)
+        stands = self.stands[before] | self.stands[after]
+        share = time / self.step - before
+        ways = CubicSpline(self.time, [[foot.translation for foot in feet] for feet in self.place])(time)
+        place = list[tuple[pin.SE3, ...]]()
+        for k, (a, b) in enumerate(zip(before, after, strict=True)):
+            feet = list[pin.SE3]()
+            for f, (one, other) in enumerate(zip(self.place[a], self.place[b], strict=True)):
+                between = pin.SE3.Interpolate(one, other, float(share[k]))
+                feet.append(between if stands[k, f] else pin.SE3(between.rotation, ways[k, f]))
+            place.append(tuple(feet))
+        return replace(self, q=CubicSpline(self.time, self.q)(time), step=step, stands=stands, place=tuple(place))
 
     def every(self, count: int) -> Asked:
         """Every `count`-th node, and one at the end or beyond it."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol, final
 
 import numpy as np
@@ -16,7 +16,7 @@ from exogauge.motion.plan.spline import Trajectory
 from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.strain import EVENLY
-from exogauge.robots.moving.touching import Pairs
+from exogauge.robots.moving.touching import Pairs, hulls_alone
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -45,7 +45,7 @@ class Judged:
     [m] its centre, in the world. inside: (T,) [m] of the centre of pressure from the edge of what the feet stand on,
     negative outside. Both are NaN where the feet carry less than `MotionPlan.least_weight`: a force that is next to
     nothing has its centre anywhere. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
-    two feet share the load; evenly: largest share of a leg's bound where they share it evenly, 0 where nobody looked.
+    two feet share the load. most: (J,) largest share of the joint's bound on velocity, acceleration, jerk and torque.
     feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
     `MotionPlan.look_m` where none is nearer; nearest: that of all times, and when, None without shapes or where none
     comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound
@@ -66,7 +66,7 @@ class Judged:
     nearest: tuple[str, str, float] | None
     left_out: tuple[tuple[str, str], ...]
     broken: tuple[str, ...] = field(default_factory=tuple)
-    evenly: float = 0.0
+    most: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def least_inside(self) -> float | None:
@@ -135,7 +135,7 @@ def judge(
         pressure[t] = [*cop, floor]
         normals = edges[tuple(stands[t])]  # outward, and offsets
         inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
-    broken = _over_bounds(robot, motion, time, (q[:, base:], v[:, base:], a, torque), rate, criteria)
+    most, broken = _over_bounds(robot, motion, time, (q[:, base:], v[:, base:], a, torque), rate, criteria)
     broken += _not_standing(time, inside, carried, strays, criteria)
     apart, nearest, left_out, touching = _distances(robot, time, q, criteria)
     feet_m, feet_rad = strays.max(axis=0).tolist()
@@ -154,14 +154,15 @@ def judge(
         nearest,
         left_out,
         (*broken, *touching),
+        most,
     )
 
 
 def _over_bounds(
     robot: MotionRobot, motion: Trajectory, time: Array, moved: tuple[Array, ...], rate: float, criteria: MotionPlan
-) -> list[str]:
-    """Joints beyond what they bear. moved: positions (T, J), velocities (T, J), accelerations of all that moves,
-    torques (T, J)."""
+) -> tuple[dict[str, Array], list[str]]:
+    """`Judged.most`, and joints beyond what they bear. moved: positions (T, J), velocities (T, J), accelerations of all
+    that moves, torques (T, J)."""
     angle, v, a, torque = moved
     limits, base = robot.limits, robot.base
     slopes = np.diff(a, axis=0, append=a[-1:]) * rate
@@ -177,17 +178,18 @@ def _over_bounds(
         ("jerk", np.abs(jerk) / robot.jerk, jerk, robot.jerk),
         ("torque", np.abs(torque) / limits.torque, torque, limits.torque),
     )
-    broken = []
+    most, broken = dict[str, Array](), list[str]()
     for what, ratio, value, bounds in sizes:
+        most |= {} if what == "position" else {what: ratio.max(axis=0)}
         every = np.broadcast_to(bounds, value.shape)
         for j in np.flatnonzero((ratio > 1.0 + criteria.beyond).any(axis=0)):
             t = int(ratio[:, j].argmax())
             often = 100.0 * float((ratio[:, j] > 1.0 + criteria.beyond).mean())
-            most = f"{100.0 * ratio[t, j]:.4g} % of its bound {every[t, j]:.4g}"
-            most = f"its bound is {every[t, j]:.4g}" if what == "position" else most
-            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, {most}, beyond it in "
+            share = f"{100.0 * ratio[t, j]:.4g} % of its bound {every[t, j]:.4g}"
+            share = f"its bound is {every[t, j]:.4g}" if what == "position" else share
+            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, {share}, beyond it in "
                           f"{often:.2g} % of samples")  # fmt: skip
-    return broken
+    return most, broken
 
 
 def _not_standing(time: Array, inside: Array, carried: Array, strays: Array, criteria: MotionPlan) -> list[str]:
@@ -224,9 +226,12 @@ def _distances(
         own = near.pair == p
         k = int(near.distance[own].argmin())
         often = 100.0 * float((near.distance[own] < criteria.clearance_m).sum()) / len(time)
-        broken.append(f"distance of {' and '.join(pairs.names[p])}: {near.distance[own][k]:.4g} m at "
-                      f"{time[near.sample[own][k]]:.3f} s, at least {criteria.clearance_m:g} is asked, less in "
-                      f"{often:.2g} % of samples")  # fmt: skip
+        then, pair = int(near.sample[own][k]), pairs.names[p]
+        hollow = hulls_alone(replace(robot, home=q[then]), [pair], criteria.clearance_m)
+        hulls = "".join(f"; as convex hulls, the surfaces of their meshes are {gap:.4g} m apart then"
+                        for gap in hollow.values())  # fmt: skip
+        broken.append(f"distance of {' and '.join(pair)}: {near.distance[own][k]:.4g} m at {time[then]:.3f} s, at "
+                      f"least {criteria.clearance_m:g} is asked, less in {often:.2g} % of samples{hulls}")  # fmt: skip
     return apart, nearest, pairs.left_out, broken
 
 

@@ -16,12 +16,11 @@ from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.written import STANDS
 from exogauge.robots.moving.robot import MotionRobot
-from exogauge.robots.moving.touching import Pairs
+from exogauge.robots.moving.touching import Pairs, hulls_alone
 from exogauge.studies.csv_table import csv_table
 
 PLACES = 8  # decimals: a ten-thousandth of what an encoder tells
 UNBOUNDED = 1e-6  # share of a bound: makers write 1e9 where they know none
-AS_READ = "read from the table"  # what `check` finds of it
 Told = dict[str, str | float | list[str]]
 
 
@@ -112,16 +111,12 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
         said[what] = (
             "no bound is known" if not known else f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
         )
-    if judged.evenly > 1.0:
-        said["torque"] += f"; {100 * judged.evenly:.0f} % where the feet share the load evenly"  # type: ignore[operator]
     if judged.nearest is not None:
         *pair, when = judged.nearest
         said["nearest"] = f"{1e3 * judged.apart.min():.1f} mm, {' and '.join(pair)} at {when:.3f} s"
     elif robot.shapes:
         said["nearest"] = f"no two links come nearer than {1e3 * judged.apart.min():.0f} mm"
-    if judged.left_out:
-        said["may touch"] = ", ".join(" and ".join(pair) for pair in judged.left_out)
-    said |= unseen(robot)
+    said |= may_touch(robot, judged.left_out) | unseen(robot)
     said["broken"] = list(judged.broken)
     return said
 
@@ -140,6 +135,23 @@ def _on_feet(robot: MotionRobot, judged: Judged) -> Told:
         )
     way = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
     said["feet"] = f"{way} while they stand" if lifted else way
+    return said
+
+
+def may_touch(robot: MotionRobot, left_out: Sequence[tuple[str, str]], why: str = "") -> dict[str, str]:
+    """Pairs that are not looked at, those apart that only the convex hulls of hollow meshes bring together. why: after
+    the first."""
+    asked = [pair for pair in left_out if pair not in robot.ignored and pair[::-1] not in robot.ignored]
+    hulls = hulls_alone(robot, asked, USUAL.clearance_m) if robot.home is not None else {}
+    touch = [" and ".join(pair) for pair in left_out if pair not in hulls]
+    apart = [f"{' and '.join(pair)} ({1e3 * gap:.0f} mm)" for pair, gap in hulls.items()]
+    said = {"may touch": ", ".join(touch) + why} if touch else {}
+    if apart:
+        near = f"nearer than {1e3 * USUAL.clearance_m:g} mm at home"
+        said["touch as hulls"] = (
+            f"{', '.join(apart)}: {near} as convex hulls, with the surfaces of their meshes so far apart; never looked "
+            "at, unless `collision.shapes` has boxes or capsules"
+        )
     return said
 
 

@@ -13,6 +13,7 @@ from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
+SAME = 1e-9  # what rounding leaves of a number of rows
 Tried = Callable[[str, float, int, bool], None]
 """What was changed, by how much, on how many nodes it was planned, and whether it holds."""
 
@@ -31,12 +32,16 @@ Again = Callable[[float, float], tuple[Asked, MotionPlan]]
 """What is planned where the same is asked in so many times the time, with that share of the trunk's angle."""
 
 
-def paced(criteria: MotionPlan, slow: float) -> MotionPlan:
+def paced(criteria: MotionPlan, slow: float, rate: float) -> MotionPlan:
     """A motion that takes `slow` times the time has its nodes as much further apart, as many for the same way; what
-    lies between them is judged. So it costs no more, and is planned alike whoever asks for it."""
+    lies between them is judged. So it costs no more, and is planned alike whoever asks for it.
+
+    rate: [Hz] at which it is written: every node is a row of its table, so that the cubic through the rows is the plan
+    itself. With nodes between rows its jerk rang to 119 % of what the plan keeps."""
     k = max(slow, 1.0)
-    return replace(criteria, nodes_per_s=criteria.nodes_per_s / k, stretch_s=k * criteria.stretch_s,
-                   ahead_s=k * criteria.ahead_s)  # fmt: skip
+    nodes = criteria.nodes_per_s / k
+    nodes = rate / int(rate / nodes + SAME) if rate > nodes else nodes  # fewer rows than nodes hold no plan
+    return replace(criteria, nodes_per_s=nodes, stretch_s=k * criteria.stretch_s, ahead_s=k * criteria.ahead_s)
 
 
 def what_would_do(

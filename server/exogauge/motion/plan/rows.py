@@ -213,7 +213,7 @@ def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, crit
     return Shares(
         np.diff(control, axis=0) / (h * kept * limits.velocity), slope.torque[:, robot.base :] / (kept * limits.torque),
         a[:, robot.base :] / (kept * limits.acceleration),
-        np.diff(control, 3, axis=0) / (h**3 * kept * criteria.calm * robot.jerk),
+        np.diff(control, 3, axis=0) / (h**3 * kept * robot.jerk),
         near, np.minimum(criteria.apart_m, pairs.at_home[near.pair]),
     )  # fmt: skip
 
@@ -247,7 +247,7 @@ def bounds(
     for sign in (1.0, -1.0):
         chain("rate", h * limits.velocity, (-1.0, 1.0), sign)
         chain("fast", h**2 * limits.acceleration, (1.0, -2.0, 1.0), sign)
-        chain("jerk", h**3 * criteria.calm * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
+        chain("jerk", h**3 * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
         k, j = (each.astype(np.intp) for each in np.nonzero(sign * used.torque > criteria.near))
         top = sign / (kept * limits.torque[j])[:, None]
         by = [each[k, joints[j]] * top for each in (slope.by_q, slope.by_v, slope.by_a)]

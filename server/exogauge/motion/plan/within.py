@@ -1,28 +1,71 @@
-"""A plan that keeps its bounds between the nodes too: where it does not, once more with more kept for there."""
+"""A plan that keeps its bounds between the nodes too, and by its table: where it does not, anew with more kept."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.criteria.motion_plan import HALF_FOOT_M, USUAL, MotionPlan
 from exogauge.errors import BadMotion
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.at_rest import AtRest, at_home
 from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.outcome import PLACES
 from exogauge.motion.plan.solve import Planned, Report, Stop, plan
 from exogauge.motion.plan.spline import through
+from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
-from exogauge.robots.moving.standing import standing
+from exogauge.robots.moving.standing import base_on, standing
+
+Array = NDArray[np.float64]
+AS_READ = "read from the table"  # what `check` finds of it
+
+
+@final
+@dataclass(frozen=True)
+class _Found:
+    """What was planned where `asked` was asked of `robot`, with bounds and margins of `criteria`; judged, by those that
+    were asked for, with what is broken of both; table: as it is read."""
+
+    asked: Asked
+    robot: MotionRobot
+    criteria: MotionPlan
+    planned: Planned
+    judged: Judged
+    table: Judged
+
+    @property
+    def most(self) -> dict[str, Array]:
+        """(J,) largest share of each bound."""
+        return {what: np.maximum(share, self.table.most[what]) for what, share in self.judged.most.items()}
+
+    def breaks(self, criteria: MotionPlan) -> tuple[int, float]:
+        """How many bounds, and by how much the worst."""
+        worst = max(float(share.max()) for share in self.most.values())
+        return len(self.judged.broken), max(worst, 1.0 + self.lacks(criteria) / HALF_FOOT_M)
+
+    @property
+    def by_table(self) -> bool:
+        """Whether the plan itself keeps every bound."""
+        return all(line.startswith(AS_READ) for line in self.judged.broken)
+
+    def lacks(self, criteria: MotionPlan) -> float:
+        """[m] by which the centre of pressure is too near to the soles' edge."""
+        known = (each.least_inside for each in (self.judged, self.table))
+        return max(0.0, *(criteria.inside_m - least for least in known if least is not None))
 
 
 def plan_within(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
     rate: float | None = None, stop: Stop | None = None,
 ) -> tuple[Planned, Judged]:  # fmt: skip
-    """Planned and judged at `rate` [Hz]; where the legs bear it only as the feet share the load in the plan, once more
-    with feet that share evenly. Of two plans that both break a bound, the one that breaks fewer.
+    """Planned and judged at `rate` [Hz], as it is and as its table is read. Where a bound is broken that the nodes
+    keep, it is planned anew, `again` times at most, each time from the best that there is: with feet that share the
+    load evenly, where a leg bears it only as they share; with what is exceeded bounded by as much less; where that
+    comes no nearer, on more nodes. Best is what breaks fewest bounds, and by least.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
     first, and standing at home is judged. stop: as of `plan`; a plan that is there already is not lost by it.
@@ -32,46 +75,69 @@ def plan_within(
     rest = at_home(robot, criteria)
     if rest.lacks:
         return _at_home(robot, asked, criteria, rate, rest)
-    planned = plan(robot, asked, criteria, report, stop)
-    judged = _judged(robot, asked, planned, criteria, rate)
-    uneven = judged.evenly > 1.0
-    if not (judged.broken or uneven) or planned.unsettled or float(planned.excess.max()) > criteria.over:
-        return planned, _with_reasons(planned, judged, rest)
-    stricter = criteria
-    if judged.broken:
-        stricter = replace(
-            stricter, kept=criteria.kept - criteria.more_kept, margin_m=criteria.margin_m + criteria.more_m
-        )  # fmt: skip
-    if judged.apart.min() < criteria.clearance_m:
-        stricter = replace(stricter, apart_m=criteria.apart_m + criteria.more_m)
-    if judged.least_inside is not None and judged.least_inside < criteria.inside_m:
-        stricter = replace(stricter, calm=criteria.calmer)
-    best = planned, judged
-    for wrench in criteria.evenly if uneven else (criteria.wrench,):
-        try:
-            again = plan(robot, asked, replace(stricter, wrench=wrench), report, stop)
-        except BadMotion:  # none is found, or it is stopped: that which there is stays
-            continue
-        best = min(best, (again, _judged(robot, asked, again, criteria, rate)), key=_breaks)
-        if _breaks(best) == (0, 1.0):
+
+    def made(wanted: Asked, own: MotionRobot, given: MotionPlan) -> _Found:
+        planned = plan(own, wanted, given, report, stop)
+        return _Found(wanted, own, given, planned, *_judged(robot, wanted, planned, criteria, rate))
+
+    best = made(asked, robot, criteria)
+    wrenches, legs = list(criteria.evenly), _of_legs(robot)
+    finer: Asked | None = asked.finer(rate or criteria.judged_hz)
+    possible = not best.planned.unsettled and (best.by_table or float(best.planned.excess.max()) <= criteria.over)
+    nearer = True
+    for _ in range(criteria.again if possible else 0):
+        if not best.judged.broken:
             break
-    return best[0], _with_reasons(*best, rest)
+        wanted, (own, given) = best.asked, _tightened(best, criteria)
+        if wrenches and ((best.table.most["torque"] > 1.0) & (best.judged.most["torque"] <= 1.0))[legs].any():
+            own, given = best.robot, replace(best.criteria, wrench=wrenches.pop(0))
+        elif not nearer or (own is best.robot and given == best.criteria):
+            if finer is None:
+                break
+            wanted, own, given, finer = finer, best.robot, best.criteria, None
+        try:
+            found = made(wanted, own, given)
+        except BadMotion:  # none is found, or it is stopped: that which there is stays
+            found = best
+        nearer = found.breaks(criteria) < best.breaks(criteria)
+        best = min(best, found, key=lambda each: each.breaks(criteria))
+    return best.planned, _with_reasons(best.planned, best.judged, rest)
 
 
-def _breaks(found: tuple[Planned, Judged]) -> tuple[int, float]:
-    """Bounds, and how far beyond its own a leg's torque is where the feet share the load evenly."""
-    return len(found[1].broken), max(1.0, found[1].evenly)
+def _tightened(found: _Found, criteria: MotionPlan) -> tuple[MotionRobot, MotionPlan]:
+    """As much less of what is exceeded, and `more_kept` less beside; twice what is lacking of distances. The same where
+    nothing is."""
+    robot, given = found.robot, found.criteria
+    near = max(0.0, criteria.clearance_m - float(found.judged.apart.min()))
+    given = replace(given, margin_m=given.margin_m + 2.0 * found.lacks(criteria), apart_m=given.apart_m + 2.0 * near)
+    less = {what: np.where(share > 1.0 + criteria.beyond, share + criteria.more_kept, 1.0)
+            for what, share in found.most.items()}  # fmt: skip
+    if not any((share > 1.0).any() for share in less.values()):
+        return robot, given
+    limits = robot.limits
+    bounds = {"velocity": limits.velocity, "acceleration": limits.acceleration, "torque": limits.torque,
+              "jerk": robot.jerk}  # fmt: skip
+    limits = replace(limits, **{what: bounds[what] / share for what, share in less.items()})
+    return replace(robot, limits=limits), given
 
 
-def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: MotionPlan, rate: float | None) -> Judged:
-    """Where it begins and ends is looked at too: a robot at home would jump there. So is what the legs bear where the
-    feet share the load evenly, as a table of the motion has them."""
+def _of_legs(robot: MotionRobot) -> NDArray[np.bool_]:
+    """(J,)"""
+    legs = np.zeros(len(robot.joints), dtype=bool)
+    for foot in range(len(robot.soles)):
+        legs[robot.leg(foot) - robot.base] = True
+    return legs
+
+
+def _judged(
+    robot: MotionRobot, asked: Asked, planned: Planned, criteria: MotionPlan, rate: float | None
+) -> tuple[Judged, Judged]:
+    """Where it begins and ends is looked at too: a robot at home would jump there. So is what `check` finds of its
+    table and the plan does not have."""
     judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
-    alone = replace(planned, wrench=np.zeros_like(planned.wrench))
-    even = judge(robot, planned.spline, asked.place[0], criteria, rate, alone)
-    legs = np.concatenate([robot.leg(foot) for foot in range(len(robot.soles))]) - robot.base
-    share = np.abs(even.torque[:, legs]) / robot.limits.torque[legs]
-    judged = replace(judged, evenly=float(share.max()))
+    table = read_again(robot, judged, criteria, rate)
+    known = {line.split(":")[0] for line in judged.broken}
+    read = (f"{AS_READ}: {line}" for line in table.broken if line.split(":")[0] not in known)
     ends = planned.spline.at(np.array([0.0, planned.spline.duration]))[0]
     lines = list[str]()
     for what, posture, home in zip(("begins", "ends"), ends, asked.q[[0, -1]], strict=True):
@@ -79,7 +145,18 @@ def _judged(robot: MotionRobot, asked: Asked, planned: Planned, criteria: Motion
         if aside.max() > criteria.aside:
             lines.append(f"the motion {what} beside home: {robot.joints[aside.argmax()]} by {aside.max():.3g}, at most "
                          f"{criteria.aside:g} is asked")  # fmt: skip
-    return replace(judged, broken=(*lines, *judged.broken))
+    return replace(judged, broken=(*lines, *judged.broken, *read)), table
+
+
+def read_again(robot: MotionRobot, judged: Judged, criteria: MotionPlan, rate: float | None) -> Judged:
+    """What the samples are as a table of them is read, distances aside: its angles are those that were judged. Feet
+    that stand are still there, and share the load evenly; between the rows lies a cubic."""
+    q = judged.q.copy()
+    q[:, robot.base :] = q[:, robot.base :].round(PLACES)
+    if robot.floating:
+        q[:, : robot.base] = base_on(robot, q, judged.stands)
+    table = Written(judged.time, q, (), judged.stands)
+    return judge(replace(robot, shapes=()), table, standing(robot), criteria, rate, table)
 
 
 def _with_reasons(planned: Planned, judged: Judged, rest: AtRest) -> Judged:

@@ -173,13 +173,15 @@ Kind = Literal["box", "sphere", "cylinder", "capsule", "hull"]
 @dataclass(frozen=True)
 class Shape:
     """link: of the URDF. at: in its frame. size [m]: edges of a box, radius of a sphere, radius and length of a
-    cylinder or of a capsule without its caps, both along z. points: (K, 3) [m] corners of a hull."""
+    cylinder or of a capsule without its caps, both along z. points: (K, 3) [m] corners of a hull; mesh: (V, 3) [m]
+    corners and (F, 3) triangles of what it spans, where it does."""
 
     link: str
     kind: Kind
     size: tuple[float, ...] = ()
     at: pin.SE3 = field(default_factory=pin.SE3.Identity)
     points: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    mesh: tuple[Array, NDArray[np.intp]] | None = None
 
     def solid(self) -> coal.CollisionGeometry:
         """As coal knows it."""
@@ -194,3 +196,15 @@ class Shape:
         corners = coal.StdVec_Vec3s()
         corners.extend([np.array(point) for point in self.points])
         return coal.ConvexBase.convexHull(corners, False, "")
+
+    def surface(self) -> coal.CollisionGeometry:
+        """Of the mesh that a hull spans, with its hollows; else what `solid` is."""
+        if self.mesh is None:
+            return self.solid()
+        points, triangles = self.mesh
+        made = coal.BVHModelOBBRSS()
+        made.beginModel(len(triangles), len(points))
+        made.addVertices(points)
+        made.addTriangles(triangles)
+        made.endModel()
+        return made

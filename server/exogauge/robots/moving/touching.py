@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
@@ -28,6 +29,32 @@ class Near:
     sample: IntArray
     pair: IntArray
     distance: Array
+
+
+def hulls_alone(robot: MotionRobot, pairs: Iterable[tuple[str, str]], clearance: float) -> dict[tuple[str, str], float]:
+    """Of pairs of links those that are nearer than `clearance` [m] at home as convex hulls alone: how far the surfaces
+    of their meshes are apart there [m]."""
+    assert robot.home is not None
+    data, request = robot.model.createData(), coal.DistanceRequest()
+    pin.forwardKinematics(robot.model, data, robot.home)
+    solids = dict[str, list[tuple[coal.CollisionGeometry, coal.Transform3s]]]()
+    meshes = {shape.link for shape in robot.shapes if shape.mesh is not None}
+
+    def placed(link: str) -> list[tuple[coal.CollisionGeometry, coal.Transform3s]]:
+        if link not in solids:
+            at = pin.updateFramePlacement(robot.model, data, robot.frame(link))
+            poses = [(shape, at * shape.at) for shape in robot.shapes if shape.link == link]
+            solids[link] = [(each.surface(), coal.Transform3s(pose.rotation, pose.translation)) for each, pose in poses]
+        return solids[link]
+
+    found = dict[tuple[str, str], float]()
+    for one, other in pairs:
+        if not {one, other} & meshes or FLOOR in (one, other):
+            continue
+        apart = min(coal.distance(*a, *b, request, coal.DistanceResult()) for a in placed(one) for b in placed(other))
+        if apart >= clearance:
+            found[one, other] = float(apart)
+    return found
 
 
 @final

@@ -151,7 +151,8 @@ def _drawn(link: str, element: Element, open_mesh: Opener) -> Shape | None:
         return None
     points = np.asarray(mesh.vertices)
     try:
-        return Shape(link, "hull", (), at, points[ConvexHull(points).vertices])
+        hull = points[ConvexHull(points).vertices]
+        return Shape(link, "hull", (), at, hull, (points, np.asarray(mesh.faces, dtype=np.intp)))
     except (QhullError, ValueError):
         return None  # flat, or too few points
 
