@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Callable, Iterator
 from datetime import timedelta
@@ -395,7 +396,7 @@ def test_streams_of_one_token_are_looked_at_together_and_a_revoked_one_is_not_kn
     def still(token: str, lab: str = "north") -> bool:
         headers = [(b"authorization", f"Bearer {token}".encode())]
         scope = {"type": "http", "method": "GET", "path": f"{V1}/jobs/{row}/events", "headers": headers}
-        return gate.still({**scope, "app": people.app, access.CALLER: Caller("token", lab, "member")})
+        return asyncio.run(gate.still({**scope, "app": people.app, access.CALLER: Caller("token", lab, "member")}))
 
     assert all(still(secret) for _ in range(50))
     assert still(other)

@@ -199,6 +199,8 @@ def test_a_job_tells_its_steps_with_their_times_and_begins_them_anew_with_each_a
     assert [(each["progress"], each["message"], each["stage"]) for each in told] == [said[0], said[1], said[3]]
     assert [each["seconds"] is None for each in told] == [False, False, True]
     assert all(each["seconds"] is None or 0.0 <= each["seconds"] < 60.0 for each in told)
+    (listed,) = client.get("/api/v1/jobs").json()["items"]
+    assert (listed["steps"], listed["log"]) == ([], None)  # most of what a job is, and given with it alone
     lease.give_back()
     Lease(storage.engine, "v", 60.0).take()
     claimed("v")

@@ -111,25 +111,25 @@ class Access:
             return None
         return host_of(connection, caller.lab_id, asked["thing"], asked["key"].lower())
 
-    def still(self, scope: Scope) -> bool:
+    async def still(self, scope: Scope) -> bool:
         """A database that is away ends nothing."""
         try:
-            now = self.who(scope) if scope[CALLER].guest else self.lately(scope)
+            now = await (run_in_threadpool(self.who, scope) if scope[CALLER].guest else self.lately(scope))
         except Unavailable:
             return True
         right = right_of(scope.get("method", WEBSOCKET), get_route_path(scope))
         return now is not None and now.lab_id == scope[CALLER].lab_id and refusal(now, right) is None
 
-    def lately(self, scope: Scope) -> Caller | None:
+    async def lately(self, scope: Scope) -> Caller | None:
         """Who has the key, in a lab of theirs; looked up once for all streams that began with it, and then not for
-        `SHARED_S`."""
+        `SHARED_S`: no thread is asked either."""
         key, by_token = key_of(scope)
         if key is None:
             return None
         name, now = hashed(key), time.monotonic()
         at, caller = self._seen.get(name, (-math.inf, None))
         if now - at > SHARED_S:
-            caller = self.looked_up(scope, key, by_token, as_guest=False)
+            caller = await run_in_threadpool(self.looked_up, scope, key, by_token, as_guest=False)
             self._seen = {each: kept for each, kept in self._seen.items() if now - kept[0] <= SHARED_S}
             self._seen[name] = now, caller
         return caller
@@ -140,7 +140,7 @@ class Access:
         watching: asyncio.Task[None] | None = None
 
         async def watch() -> None:
-            while await run_in_threadpool(self.still, scope):
+            while await self.still(scope):
                 await asyncio.sleep(LOOK_EVERY_S)
             over.set()
             await send({"type": "http.response.body", "body": b"", "more_body": False})
@@ -170,7 +170,7 @@ class Access:
 
     async def line(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def watch() -> None:
-            while await run_in_threadpool(self.still, scope):
+            while await self.still(scope):
                 await asyncio.sleep(LOOK_EVERY_S)
             with contextlib.suppress(Exception):
                 await send({"type": "websocket.close", "code": POLICY_VIOLATION, "reason": "signed out"})

@@ -75,7 +75,7 @@ class Connection(HttpToolsProtocol):
         if len(self.connections) > self.limits.connections and not self._someone_gives_way():
             self.refuse(503, "Too many connections", "all connections are in use; try again in a moment")
             return
-        self._next_look = self.loop.call_later(LOOK_EVERY_S, self._look)
+        self._begin(Stage.HEAD)
 
     def _someone_gives_way(self) -> bool:
         """End the connection that waits longest without a request; False where all have one."""
@@ -130,9 +130,15 @@ class Connection(HttpToolsProtocol):
     def _begin(self, stage: Stage) -> None:
         self.stage, self.since = stage, self.loop.time()
         self._received, self._listened, self._silent = 0, 0.0, 0.0
+        if self._next_look is None:
+            self._next_look = self.loop.call_later(LOOK_EVERY_S, self._look)
 
     def _look(self) -> None:
-        if self.stage in (Stage.HEAD, Stage.BODY) and not self.flow.read_paused:
+        """Again and again, for as long as something is to come."""
+        self._next_look = None
+        if self.stage not in (Stage.HEAD, Stage.BODY):
+            return
+        if not self.flow.read_paused:
             self._listened += LOOK_EVERY_S
             self._silent += LOOK_EVERY_S
             if self._late():

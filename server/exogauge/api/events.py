@@ -25,7 +25,6 @@ from exogauge.api.routing import Router
 from exogauge.errors import Unavailable
 from exogauge.jobs import requests
 from exogauge.storage.job_tables import ENDED
-from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Installation, Storage
 from exogauge.storage.tables import Job
 
@@ -37,6 +36,7 @@ AT_ONCE = 500  # jobs in one statement
 LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=100)]
 Seen = tuple[int, requests.Place | None]  # revision, place in the queue
 GONE: Seen = (-1, None)
+SEEN = sa.select(Job.id, Job.revision, Job.state).where(Job.id.in_(sa.bindparam("keys", expanding=True)))
 
 
 @final
@@ -86,13 +86,11 @@ class Watch:
 def seen_of(installation: Installation, job_ids: Sequence[str]) -> dict[str, Seen]:
     """Of jobs of any lab: who listens was let in before."""
     found = dict[str, Seen]()
-    with installation.reading() as session:
+    with installation.looking() as connection:
         for start in range(0, len(job_ids), AT_ONCE):
             some = job_ids[start : start + AT_ONCE]
-            rows = session.execute(
-                sa.select(Job.id, Job.revision, Job.state).where(Job.id.in_(some)), execution_options=OF_ALL_LABS
-            ).all()
-            places = requests.places_of(session, [row.id for row in rows if row.state == "queued"])
+            rows = connection.execute(SEEN, {"keys": some}).all()
+            places = requests.places_of(connection, [row.id for row in rows if row.state == "queued"])
             found |= dict.fromkeys(some, GONE) | {row.id: (row.revision, places.get(row.id)) for row in rows}
     return found
 

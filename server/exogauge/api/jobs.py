@@ -78,12 +78,12 @@ class JobStep(BaseModel):
 @final
 class JobOut(Answer):
     """study_id, payload_id, motion_id, plan_id: one of them says what it is of. progress: 0..1. message: what it does
-    now; stage: where in an evaluation or identification that belongs; steps: what it did before, with times. place:
-    where in the queue it is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the
-    same with file, row, column, value and advice, where what was handed in is to blame; defect: exogauge itself is to
-    blame. code_version: the code that computes or computed it, null while no worker has taken it;
-    requested_code_version: the code that took the request, which a worker of another version does not share. cpu_s:
-    CPU seconds that it took. revision: grows with every change and is the id of its events."""
+    now; stage: where in an evaluation or identification that belongs; steps: what it did before, with times, and log:
+    given when one job is asked for. place: where in the queue it is, in words; ahead: how many start before it. reason:
+    why it did not succeed; problem: the same with file, row, column, value and advice, where what was handed in is to
+    blame; defect: exogauge itself is to blame. code_version: the code that computes or computed it, null while no
+    worker has taken it; requested_code_version: the code that took the request, which a worker of another version does
+    not share. cpu_s: CPU seconds that it took. revision: grows with every change and is the id of its events."""
 
     id: str
     study_id: str | None
@@ -116,15 +116,15 @@ class JobOut(Answer):
     @classmethod
     def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
         (told,) = told_of([job], session)
-        return cls.model_validate({**told, "log": job.log if with_log else None})
+        return cls.model_validate({**told, "steps": steps_of(job), "log": job.log if with_log else None})
 
 
 def told_of(jobs: Sequence[ListedJobRecord], session: Session) -> list[dict[str, Any]]:
-    """What each of them answers (`JobOut`), but for its log."""
+    """What each of them answers (`JobOut`), but for its steps and its log."""
     places = requests.places(session, jobs)
     told = []
     for job in jobs:
-        said = {**vars(job), "log": None, "steps": steps_of(job)}
+        said = {**vars(job), "log": None, "steps": ()}
         if (place := places.get(job.id)) is not None:
             said |= {"place": place.words, "ahead": place.ahead}
         if job.failure is not None:
@@ -133,7 +133,7 @@ def told_of(jobs: Sequence[ListedJobRecord], session: Session) -> list[dict[str,
     return told
 
 
-def steps_of(job: ListedJobRecord) -> list[dict[str, Any]]:
+def steps_of(job: JobRecord) -> list[dict[str, Any]]:
     """Each (`JobStep`) ends where the next begins, the last with the job."""
     steps = job.steps or ()
     begun = [datetime.fromisoformat(step["at"]) for step in steps]

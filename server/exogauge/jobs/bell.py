@@ -25,7 +25,6 @@ log = logging.getLogger(__name__)
 CHANNEL = "exogauge_jobs"
 QUIET_S = 10.0  # judgement: between two looks while the bell is silent; the longest that a job waits if nobody heard it
 BUSY_S = 5.0  # judgement: after it rang: another worker may have locked the queue in that very moment
-STOP_S = 1.0  # judgement: within which a thread notices that it is to stop
 LOOK_S = 0.25  # at SQLite's count of commits; docs/operations.md has what that costs
 AGAIN_S = 5.0  # judgement: after the line broke
 ASK_S = 60.0  # judgement: whether it still holds
@@ -49,13 +48,13 @@ class Bell:
 
     def wait(self, pace_s: float, stop: threading.Event) -> bool:
         """Until it rings, or the pace of whoever waits is over, or while all is quiet that of the bell; whether to
-        stop."""
+        stop, which nobody is in a hurry for: a worker ends with its process."""
         quiet = time.monotonic() - self._last > BUSY_S
         until = time.monotonic() + (max(pace_s, QUIET_S) if quiet else pace_s)
         heard = getattr(self._heard, "times", -1)
         with self._rung:
             while not stop.is_set() and self._times == heard and (left := until - time.monotonic()) > 0:
-                self._rung.wait(min(left, STOP_S))
+                self._rung.wait(left)
             self._heard.times = self._times
         return stop.is_set()
 

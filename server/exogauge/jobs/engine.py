@@ -121,7 +121,7 @@ class JobQueue:
 
 def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: Bell) -> None:
     """Begin to take entries and call `run()` for each, one at a time, in a thread of the engine. It looks for them when
-    the bell rings. What DBOS does beside that many times a second is for what is not used here (notifications, delays,
+    the bell rings. What DBOS does beside that again and again is for what is not used here (notifications, delays,
     deadlines, schedules): it was most of what an idle worker cost."""
 
     def run_job(_job_id: str) -> None:
@@ -132,8 +132,10 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
 
     queue, database = dbos._dbos, dbos._sys_db.SystemDatabase
     look, sweep, hear = queue.queue_thread, queue.background_jobs_thread, database.run_notification_listener
+    schedule = queue.dynamic_scheduler_loop
     queue.queue_thread = lambda stop, of: look(cast(threading.Event, Patience(stop, bell)), of)
     queue.background_jobs_thread = lambda _stop, _of: None
+    queue.dynamic_scheduler_loop = lambda _stop, _every_s: None
     database.run_notification_listener = lambda _self: None
 
     DBOS(
@@ -146,7 +148,6 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
             "max_executor_threads": 4,
             "db_engine_kwargs": POOL,
             "notification_coalesce_sec": UNUSED_S,
-            "scheduler_polling_interval_sec": UNUSED_S,
             "run_migrations": False,
         }
     )
@@ -154,10 +155,6 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: 
     DBOS.listen_queues([QUEUE])
     DBOS.launch()
     queue.queue_thread, queue.background_jobs_thread = look, sweep
+    queue.dynamic_scheduler_loop = schedule
     database.run_notification_listener = hear
     DBOS.register_queue(QUEUE, worker_concurrency=1, polling_interval_sec=POLL_S, on_conflict="always_update")
-
-
-def stop_taking() -> None:
-    """Take no further entries; does not wait for a running one."""
-    DBOS.destroy(workflow_completion_timeout_sec=0)

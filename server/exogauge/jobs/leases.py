@@ -124,13 +124,16 @@ class Reaper:
 
         may_judge: whether silent workers may be declared dead in this pass.
         """
+        folders = list(self._scratch.iterdir()) if self._scratch.is_dir() else []
         with AllLabsSession(self._engine) as session, session.begin():
             for worker in delete_stale(session, self._ttl_s) if may_judge else ():
                 log.warning("worker %s did not answer for %.0f s; its work goes to another", worker, self._ttl_s)
-            waiting = unattended(session)
+            waiting, live = unattended(session), live_workers(session)
+        for folder in folders:  # whose workers are gone: one takes its lease before it makes its folder
+            if folder.name not in live:
+                shutil.rmtree(folder, ignore_errors=True)
         if waiting:
             self._give_again(waiting)
-        self._sweep()
         if self._passes % FORGET_EVERY == 0:
             self._queue.forget_before((datetime.now(UTC) - KEEP_ENTRIES).isoformat())
         self._passes += 1
@@ -141,7 +144,8 @@ class Reaper:
         Leases are read after the entries: a worker takes its lease before its first entry, so none is misjudged.
         """
         entries = self._queue.entries()
-        live = self._live()
+        with AllLabsSession(self._engine) as session, session.begin():
+            live = live_workers(session)
         stranded = [entry for entry in entries if entry.taken_by is not None and entry.taken_by not in live]
         self._queue.drop(stranded)
         usable = [entry.job for entry in entries if entry.taken_by is None]
@@ -150,15 +154,3 @@ class Reaper:
             log.warning("job %s gets a new entry in the queue", job)
             with AllLabsSession(self._engine) as session, session.begin():
                 self._queue.enqueue(session, job)
-
-    def _live(self) -> set[str]:
-        with AllLabsSession(self._engine) as session, session.begin():
-            return live_workers(session)
-
-    def _sweep(self) -> None:
-        """Remove the folders of workers that are gone."""
-        if self._scratch.is_dir() and (folders := list(self._scratch.iterdir())):
-            live = self._live()
-            for folder in folders:
-                if folder.name not in live:
-                    shutil.rmtree(folder, ignore_errors=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import sqlalchemy as sa
+from sqlalchemy.engine import Connection
 from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict
@@ -21,7 +22,7 @@ from exogauge.jobs.turns import attended, in_turn
 from exogauge.storage.database import database_now
 from exogauge.storage.quotas import refuse_jobs
 from exogauge.storage.records import JobRecord, ListedJobRecord
-from exogauge.storage.rows import Lab
+from exogauge.storage.rows import Lab, once
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Store
 from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease, owner_of
@@ -99,22 +100,28 @@ def places(session: Session, jobs: Sequence[ListedJobRecord]) -> dict[str, Place
     return places_of(session, [job.id for job in jobs if job.state == "queued"])
 
 
-def places_of(session: Session, wanted: Sequence[str]) -> dict[str, Place]:
+def places_of(within: Session | Connection, wanted: Sequence[str]) -> dict[str, Place]:
     """The same for ids of queued jobs."""
     if not wanted:
         return {}
-    queue = in_turn()
-    ahead = session.execute(
-        sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(wanted)), execution_options=OF_ALL_LABS
-    ).all()
-    workers, running = session.execute(
-        sa.select(
-            sa.select(sa.func.count()).select_from(WorkerLease).scalar_subquery(),
-            sa.select(sa.func.count()).select_from(Job).where(attended()).scalar_subquery(),
-        ),
-        execution_options=OF_ALL_LABS,
-    ).one()
+    ahead = within.execute(ahead_of(), {"keys": wanted}, execution_options=OF_ALL_LABS).all()
+    workers, running = within.execute(at_work(), execution_options=OF_ALL_LABS).one()
     return {key: Place(count, in_words(count, running, workers)) for key, count in ahead}
+
+
+@once
+def ahead_of() -> sa.Select[Any]:
+    """Of those of the jobs `keys` that wait."""
+    queue = in_turn()
+    return sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(sa.bindparam("keys", expanding=True)))
+
+
+@once
+def at_work() -> sa.Select[Any]:
+    """How many workers there are, and how many jobs run."""
+    running = sa.select(sa.func.count()).select_from(Job).where(attended())
+    workers = sa.select(sa.func.count()).select_from(WorkerLease)
+    return sa.select(workers.scalar_subquery(), running.scalar_subquery())
 
 
 def in_words(ahead: int, running: int, workers: int) -> str:

@@ -55,21 +55,19 @@ OF: dict[str, Any] = {"study": tables.Study, "payload": tables.Payload, "motion"
 def latest_of(noun: str) -> sa.Select[Any]:
     """For `Lab.rows`: of each of the `keys` its newest job, behind the id of what it is of. The lab of jobs is asked
     for as no index knows it: SQLite would take that for the better one, and read all of the lab's."""
-    job, owner = columns_in(Job), columns_in(OF[noun])
-    theirs = owner.lab_id == LAB, owner.id.in_(sa.bindparam("keys", expanding=True))
-    columns = [job[name] for name in (f"{noun}_id", *names_of(LatestJobRecord))]
-    mine = job.id.in_(sa.select(_newest(noun, "id")).where(*theirs)), sa.func.coalesce(job.lab_id, "") == LAB
-    return sa.select(*columns).where(*mine)
+    job = columns_in(Job)
+    of, names = job[f"{noun}_id"], (f"{noun}_id", *names_of(LatestJobRecord))
+    latest_first = sa.func.row_number().over(partition_by=of, order_by=(job.created_at.desc(), job.id.desc()))
+    theirs = of.in_(sa.bindparam("keys", expanding=True)), sa.func.coalesce(job.lab_id, "") == LAB
+    numbered = sa.select(*(job[name] for name in names), latest_first.label("number"))
+    found = numbered.where(*theirs, job.kind.not_in(ASIDE)).subquery().c
+    return sa.select(*(found[name] for name in names)).where(found.number == 1)
 
 
 def latest_state(noun: str) -> sa.ScalarSelect[str]:
     """The state of the newest job of a row of that table, as part of a larger query."""
-    return _newest(noun, "state")
-
-
-def _newest(noun: str, what: str) -> sa.ScalarSelect[str]:
     job = columns_in(Job)
-    mine = sa.select(job[what]).where(job[f"{noun}_id"] == columns_in(OF[noun]).id, job.kind.not_in(ASIDE))
+    mine = sa.select(job.state).where(job[f"{noun}_id"] == columns_in(OF[noun]).id, job.kind.not_in(ASIDE))
     return mine.order_by(job.created_at.desc(), job.id.desc()).limit(1).scalar_subquery()
 
 

@@ -130,8 +130,7 @@ class ListedJobRecord:
     failed.
 
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
-    handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
-    lab_id: whose it is; a worker works for all labs.
+    handed in. stage: of an evaluation, what it is at. lab_id: whose it is; a worker works for all labs.
     requested_code_version: of the server that took the request; code_version: of the worker that took the job.
     crashes: attempts in which its computation died alone. cpu_s: CPU seconds of all attempts."""
 
@@ -153,7 +152,6 @@ class ListedJobRecord:
     stage: str | None
     reason: str | None
     failure: Mapping[str, Any] | None
-    steps: Sequence[Mapping[str, Any]] | None
     attempts: int
     crashes: int
     cpu_s: float
@@ -167,8 +165,10 @@ class ListedJobRecord:
 @final
 @dataclass(frozen=True)
 class JobRecord(ListedJobRecord):
-    """log: the last lines of what the worker said; of all that a job is, the most, so that lists go without."""
+    """steps: {message, progress, stage, at} of the present attempt. log: the last lines of what the worker said. They
+    are most of what a job is, so that lists go without."""
 
+    steps: Sequence[Mapping[str, Any]] | None
     log: str
 
 
