@@ -70,6 +70,34 @@ def bend(folder: Path) -> list[str]:
     return [str(folder / "02_06.amc"), "--skeleton", str(packed.with_name("02.asf"))]
 
 
+def knee(folder: Path) -> list[str]:
+    packed = there(SHARED / "cmu_mocap_bend_twist/13_29.amc.gz")
+    (folder / "13_29.amc").write_bytes(gzip.decompress(packed.read_bytes()))
+    return [str(folder / "13_29.amc"), "--skeleton", str(packed.with_name("02.asf"))]
+
+
+@pytest.mark.slow
+@pytest.mark.thorough
+@pytest.mark.parametrize("made", [jvrc1, g1])
+def test_a_knee_is_raised_at_its_own_speed_within_every_bound_by_its_table_too(made, tmp_path: Path) -> None:
+    """JVRC-1's plan kept every bound, and its table asked 104 % of a knee's torque: told, and written."""
+    file, table = made(tmp_path), tmp_path / "plan.csv"
+    given = ["--robot", str(file), "--from", "24.6", "--to", "26.2", "--no-what-would-do", "--out", str(table)]
+    assert main(["motion", "retarget", *knee(tmp_path), *given]) == 0
+    robot = load_motion_robot(file, beside=True)
+    urdf, _ = felt(tmp_path)
+    said, legs = limits(urdf, robot.joints), np.concatenate([robot.leg(foot) for foot in (0, 1)]) - robot.base
+    for rate in ("200", "1000"):
+        assert main(["motion", "check", str(table), "--robot", str(file), "--rate", rate]) == 0
+    out = tmp_path / "samples.npz"
+    command = ["motion", "export", str(table), "--robot", str(file), "--rate", "1000", "--format", "mujoco"]
+    assert main([*command, "--out", str(out)]) == 0
+    with np.load(out) as samples:
+        seen = ByMuJoCo.of_file(robot, samples, bare(urdf))
+    assert (np.abs(seen.evenly[:, legs]) <= 1.005 * said["effort"][legs]).all()  # accelerations are means of 1 ms,
+    assert seen.inside.min() >= USUAL.inside_m - 0.0015  # which took the pressure 1.5 mm aside where a knee is raised
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "capture", "until"),
