@@ -103,10 +103,13 @@ def test_a_log_whose_zero_is_off_as_declared_is_no_odd_one(
     assert [each.log.name for each in odd_logs(nothing_named)] == ([logs[-1].name] if asked else [])
 
 
+STICKING_BELOW = 0.35  # [rad/s], about half of the speed with which the arm moves
+
+
 def sticking(log: Log) -> Log:
     """Joint a rubs more at low speed."""
     v = np.gradient(log.channels["q.a"], log.time)
-    peak = 1.5 * np.sign(v) * np.exp(-np.abs(v) / (0.5 * np.sqrt(np.mean(v**2))))
+    peak = 1.5 * np.sign(v) * np.exp(-np.abs(v) / STICKING_BELOW)
     return replace(log, channels={**log.channels, "tau.a": log.channels["tau.a"] + peak})
 
 

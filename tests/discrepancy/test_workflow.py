@@ -35,6 +35,12 @@ def late_by(seconds):
 late = late_by(0.03)
 
 
+def wound(m):
+    """A cable that winds up beyond an angle: while it winds on it rubs along, and pulls more than on its way back."""
+    beyond = np.maximum(m.q - 0.1, 0.0)
+    return 4.0 * beyond**1.3 * np.exp(0.6 * np.sign(m.v) * beyond)
+
+
 def named(found):
     return [(each.effect, each.place.kind, each.place.name) for each in found.discrepancy.findings]
 
@@ -164,6 +170,16 @@ def test_one_delay_of_all_joints_is_one_finding(search, study):
 
 def test_a_delay_of_one_joint_stays_at_that_joint(search, study, on_joint):
     assert named(search(study(on_joint(1, late)))) == [("torque_delay", "joint", "j2")]
+
+
+def test_what_follows_no_law_of_the_catalogue_is_not_given_the_nearest_one(search, study, on_joint):
+    found = search(study(on_joint(1, wound))).discrepancy
+    assert (found.verdict, found.findings) == ("unexplained", ())
+    assert found.unexplained[0].channel == "tau.j2"
+    refuted = [each for each in found.rejected if each.objection.why is Why.OTHER_LAW]
+    assert refuted
+    assert all(each.place == Place("joint", "j2") for each in refuted)
+    assert all(each.objection.value > 0.5 for each in refuted), "a law that is near, and not it"
 
 
 @pytest.mark.parametrize("seconds", [0.15, 0.25])

@@ -52,6 +52,27 @@ def test_a_bvh_without_a_frame_is_refused_where_it_counts_them(tmp_path: Path) -
     assert refused(tmp_path / "b.bvh") == ("not_bvh", None)
 
 
+def test_channels_that_are_not_counted_are_told_at_their_bone(tmp_path: Path) -> None:
+    (tmp_path / "a.bvh").write_text(BVH.replace("CHANNELS 3 Yrotation Xrotation Zrotation", "CHANNELS"))
+    assert refused(tmp_path / "a.bvh") == ("channel_count", 9)
+
+
+def test_a_point_of_a_c3d_that_is_there_by_a_part_is_refused_and_a_nan_is_a_gap(tmp_path: Path) -> None:
+    """A marker with one coordinate spoiled was taken as seen, and moved by nothing."""
+    for part, spoiled in (("x", [0]), ("z", [2]), ("all", [0, 1, 2])):
+        points = 1000.0 * body()
+        points[3, 2, spoiled] = np.nan
+        file = c3d(tmp_path / f"{part}.c3d", points)
+        data, marked = file.read_bytes(), np.array([np.nan], "<f4").tobytes()
+        (tmp_path / f"{part}.c3d").write_bytes(data.replace(marked, b"\x01\x00\xa0\x7f"))  # NaN, of the signalling kind
+        if part == "all":
+            seen = open_motion(tmp_path / "all.c3d").markers.position
+            assert np.isnan(seen[3, 2]).all()
+            assert np.isfinite(seen).sum() == seen.size - 3
+        else:
+            assert refused(tmp_path / f"{part}.c3d") == ("half_a_point", 4)
+
+
 @pytest.mark.parametrize("name", ["a.trc", "b.tsv", "c.csv", "d.csv"])
 def test_a_line_that_ends_twice_is_one(tmp_path: Path, name: str) -> None:
     """As it is written where a program ends a line as Windows does, into a file that does so too."""

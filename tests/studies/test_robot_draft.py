@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sysconfig
 from pathlib import Path
 
@@ -36,6 +37,15 @@ def test_a_draft_is_read_again(tmp_path: Path, urdf: Path, joints: int, feet: li
     assert len(robot.joints) == joints
     assert [each.frame for each in robot.contacts] == feet
     assert robot.floating == bool(feet)
+
+
+def test_feet_that_are_spelled_otherwise_are_feet(tmp_path: Path) -> None:
+    """Qinglong, a humanoid on two legs, was drafted as an arm that is bolted down."""
+    urdf = re.sub(rb"(left|right)_ankle_roll_link", rb"Link_ankel_\1_roll", G1.read_bytes())
+    (tmp_path / "robot.urdf").write_bytes(urdf)
+    (tmp_path / "robot.yaml").write_text(draft_robot(urdf, "robot.urdf", "torque"))
+    robot = read_robot(Bundle(tmp_path, ""), "robot.yaml")[0]
+    assert [each.frame for each in robot.contacts] == ["Link_ankel_left_roll", "Link_ankel_right_roll"]
 
 
 def test_what_the_urdf_cannot_say_is_asked_for_and_refused_until_it_is_there(tmp_path: Path) -> None:

@@ -147,6 +147,19 @@ class Judging:
         "where far more than noise is left, is no cause",
         judgement("docs/decisions/0022-feet.md"),
     )
+    as_noise: float = criterion(
+        1.41,
+        "noise floors",
+        "left at a place with all that was named there: as much as the noise, by their squares",
+        derived("the root of 1 + 1"),
+    )
+    of_its_law: float = criterion(
+        0.1,
+        "1",
+        "of the square error beyond the noise that was there before anything was named: where more is left, and as "
+        "much as the noise, what is there follows another law than what was named",
+        measured("docs/decisions/0039-another-law.md: laws of other formulas leave 5 %, other laws 10 to 57 %"),
+    )
     hardly: float = criterion(
         0.25,
         "1",

@@ -22,7 +22,7 @@ from exogauge.progress import Rising, still, unwatched
 from exogauge.search.afterwards import has_joined, look_into_odd_logs, shapes_again
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
-from exogauge.search.declared import within_declared
+from exogauge.search.declared import left_over
 from exogauge.search.final_numbers import with_doubt_of_shapes, with_doubt_of_what_is_left, with_final_numbers
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
@@ -67,12 +67,11 @@ def _told(search: Search, current: Identification, with_bends: bool, notes: tupl
     if with_bends:
         left = lay_ground(current.model, problem.recordings, (), unwatched).residuals
     undecided = {(each.finding.effect, each.finding.place): each.undecided for each in search.steps if each.undecided}
-    above = located(equations, current, left)
-    declared = within_declared(current.model, problem.recordings, above)
+    unexplained, declared = left_over(current, left, problem.recordings)
     return Searched(
         recordings=tuple(problem.recordings),
         before=located(equations, problem.base, search.first),
-        after=tuple(each for each in above if each not in declared.channels),
+        after=unexplained,
         declared=declared,
         seen=seen(equations, current),
         rejected=(*search.failed.values(), *search.rejected),

@@ -58,6 +58,18 @@ class HeldOut:
         return self.rmse_after <= judging.falls * self.rmse_before
 
     @property
+    def floors(self) -> float:
+        """That are left."""
+        return self.rmse_after / self.noise_floor if self.noise_floor > 0.0 else float("inf")
+
+    def of_another_law(self, judging: Judging) -> bool:
+        """Whether as much is left as the noise, and more of what was there than a law leaves that is nearly right."""
+        rounding = 1e3  # noise floors: where more is left, there is no noise but that of digits
+        as_noise = judging.as_noise <= self.floors <= rounding
+        before, after = (each**2 - self.noise_floor**2 for each in (self.rmse_before, self.rmse_after))
+        return as_noise and after > judging.of_its_law * before
+
+    @property
     def explained(self) -> float:
         """Share of the excess over the noise floor that goes, 0…1."""
         excess = self.rmse_before**2 - self.noise_floor**2

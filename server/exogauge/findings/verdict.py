@@ -154,6 +154,7 @@ class Why(StrEnum):
     DECLARED = "declared"  # of: channels
     BETTERED = "bettered"  # of: effects with which another one explains more
     PARTIAL = "partial"  # share of the excess that it explains, and noise floors that are left; of: channel
+    OTHER_LAW = "other_law"  # as partial
     AT_ITS_EDGE = "at_its_edge"  # noise floors that are left; of: channel
     NOT_NEEDED = "not_needed"  # of: effects with which it is not needed
     ALIKE = "alike"

@@ -81,6 +81,15 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
     return WithinDeclared(tuple(each for each in excesses if each in (*coloured, *others.channels)), sources)
 
 
+def left_over(
+    found: Identification, residuals: Sequence[LogResiduals], recordings: Sequence[Recording]
+) -> tuple[tuple[Excess, ...], WithinDeclared]:
+    """What stands above the noise on held-out logs and is unexplained; and what declared uncertainties explain."""
+    above = located(found.model.equations, found, residuals)
+    declared = within_declared(found.model, recordings, above)
+    return tuple(each for each in above if each not in declared.channels), declared
+
+
 def explained(
     found: Identification, residuals: Sequence[LogResiduals], recordings: Sequence[Recording], logs: Set[str]
 ) -> Mapping[str, bool]:

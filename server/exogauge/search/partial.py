@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
-from exogauge.findings.result import Finding
+from exogauge.findings.result import Finding, HeldOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
+from exogauge.search.declared import left_over
 from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
 from exogauge.search.locate import pooled
@@ -22,6 +25,9 @@ def without_partial_names(search: Search, found: Identification, findings: Seque
     that still stand far above their noise with all of it; None where there are none. found: with all of that, bends
     too. findings: of all steps.
 
+    A law that is not quite right leaves a little of what it takes off. Where as much as the noise is left where it
+    shows most, more than such laws leave and more than declared uncertainties explain, another law is there.
+
     A size at the edge of what such an effect can be is no measurement: something else pulls it there, where more is
     left than noise.
 
@@ -33,11 +39,16 @@ def without_partial_names(search: Search, found: Identification, findings: Seque
     alone is judged there.
     """
     poor = list[tuple[int, Objection]]()
+    left = cache(lambda: {each.channel for each in left_over(found, search.last, search.problem.recordings)[0]})
     for number, finding in enumerate(findings):
         if finding.held_out.log:
             continue
         channels = _channels(search, number)
-        if why := _objection(search, found, finding, number, channels):
+        why = _objection(search, found, finding, number, channels)
+        if why is None and (held := _of_another_law(search, found, finding.held_out)) and held.channel in left():
+            share = max(_share(search, finding, number, channels), 0.0)
+            why = Objection(Why.OTHER_LAW, share, held.floors, of=(held.channel,))
+        if why:
             poor.append((number, why))
     for number, why in reversed(poor):
         search = taken_out(search, number, why)
@@ -68,6 +79,13 @@ def _objection(
                 return Objection(Why.AT_ITS_EDGE, left / floor, of=(channel,))
             return Objection(Why.PARTIAL, max(share, 0.0), left / floor, of=(channel,))
     return None
+
+
+def _of_another_law(search: Search, found: Identification, of: HeldOut) -> HeldOut | None:
+    """What was there before anything was named, and is left with all of it, where that says so."""
+    (there, floor), (left, _) = _held_out(search.problem.base, of.channel), _held_out(found, of.channel)
+    held = replace(of, rmse_before=there, rmse_after=left, noise_floor=floor)
+    return held if held.of_another_law(search.problem.settings.criteria.judging) else None
 
 
 def _at_its_edge(added: AddedEffect, found: Identification) -> bool:

@@ -13,13 +13,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.judging import Judging
 from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
 from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse, with_best_shape
-from exogauge.detect.device.nominal import contradicted
+from exogauge.detect.device.nominal import Contradicted, contradicted
 from exogauge.detect.device.score import BandScore, Scorer, candidates
 from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.detect.so_far import descendant
@@ -126,10 +125,17 @@ def search_wear(
         unclear = wire and left > criteria.clear * ground.floor[winner.joint]
         if unclear:
             break
+    ground, wears, findings, refuted = _of_their_laws(first, ground, wears, findings, folds)
+    rejected += refuted
     scorer, ended = Scorer(ground.setting, ground.fitted), ground
-    for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
+    values = [] if unclear else contradicted(ground, ground.fitted.wear, folds)
+    for each in values:
         if effects.get(each.effect) is not None:
             finding = name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of)
+            why = _no_spring(ground, each, values[-1].after) or _beside_a_wire(each)
+            if why:
+                rejected.append(not_named(finding, why))
+                continue
             named_now, doubtful = told([finding], model.criteria.judging)
             findings += named_now
             rejected += doubtful
@@ -139,7 +145,7 @@ def search_wear(
         findings=tuple(findings),
         chain=_chain(ground, findings, wears, folds, of),
         rejected=tuple(rejected),
-        unexplained=_unexplained(ground, folds, model.criteria.judging),
+        unexplained=_unexplained(ground, left_out_residual(ground.setting, ground.fitted.wear, folds)),
         seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
         bands=(NamedBands(device, ended.approach, ended.fit),) if len(wears) > 1 or ended is not ground else (),
@@ -266,9 +272,62 @@ def _chain(
     return tuple(links)
 
 
-def _unexplained(ground: Ground, folds: Folds, judging: Judging) -> tuple[Excess, ...]:
-    """Joints on which the wear's model errs by more than repeated runs do."""
-    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Excess]()
+def _of_their_laws(
+    first: Ground, ground: Ground, wears: Sequence[Wear], findings: Sequence[Finding], folds: Folds
+) -> tuple[Ground, list[Wear], list[Finding], list[Alternative]]:
+    """Without the laws that leave, of what there was beside springs, as much as the noise and more than a law does that
+    is not quite right: what is there follows another. A further band, whose course is hardly ever right, stays."""
+    was, now = (left_out_residual(each.setting, each.fitted.wear, folds) for each in (first, ground))
+    kept, refuted = list[int](), list[Alternative]()
+    for number, (finding, added) in enumerate(zip(findings, wears[-1].added, strict=True)):
+        joint = ground.joints.index(finding.held_out.channel.removeprefix(CHANNEL))
+        held = replace(finding.held_out, rmse_before=rmse(was, joint), rmse_after=rmse(now, joint))
+        if added.effect.sort != "wire" and held.of_another_law(ground.model.criteria.judging):
+            why = Objection(Why.OTHER_LAW, held.explained, held.floors, of=(held.channel,))
+            refuted.append(not_named(finding, why))
+        else:
+            kept.append(number)
+    if not refuted:
+        return ground, list(wears), list(findings), []
+    wears = [replace(wears[-1], added=tuple(wears[-1].added[k] for k in kept[:n])) for n in range(len(kept) + 1)]
+    ranks = (findings[0].rank + n for n in range(len(kept)))
+    ground = weighed(ground, fit(ground.setting, wears[-1]))
+    return ground, wears, [replace(findings[k], rank=rank) for k, rank in zip(kept, ranks, strict=True)], refuted
+
+
+def _no_spring(ground: Ground, found: Contradicted, left: Array) -> Objection | None:
+    """A number of a spring is wrong only where the bands of its group are springs: where they leave surely more than
+    the noise at a joint that they act on, whatever their numbers, they follow another law. left: (N, D) [N·m] with all
+    such numbers let go."""
+    bands = ground.device.bands
+    group = [b for b, each in enumerate(bands) if each.group == bands[found.band].group]
+    acts = np.abs(found.fitted.A[:, :, group]).max(axis=(0, 2)) > 0.0
+    own = {f"{CHANNEL}{name}" for name, there in zip(ground.joints, acts, strict=True) if there}
+    excess = [each for each in _unexplained(ground, left) if each.channel in own]
+    if not excess:
+        return None
+    worst = max(excess, key=lambda each: each.rmse / each.noise_floor)
+    was, now = (rmse(each, found.joint) ** 2 for each in (found.before, found.after))
+    return Objection(Why.OTHER_LAW, 1.0 - now / was, worst.rmse / worst.noise_floor, of=(worst.channel,))
+
+
+def _beside_a_wire(found: Contradicted) -> Objection | None:
+    """A further band and springs that act on the same joint share what they do: its course is hardly ever quite right,
+    and their numbers make up for it."""
+    wear, places = found.fitted.wear, [found.band]
+    start = len(wear.springs)
+    for each in wear.added:
+        if each.effect.sort == "wire":
+            places.append(start)
+        start += len(each.coefficients)
+    acts = np.abs(found.fitted.A[:, :, places]).max(axis=0) > 0.0  # (D, 1 + wires)
+    shared = (acts[:, :1] & acts[:, 1:]).any()
+    return Objection(Why.ALIKE) if shared else None
+
+
+def _unexplained(ground: Ground, e: Array) -> tuple[Excess, ...]:
+    """Joints on which the wear's model errs by more than repeated runs do. e: (N, D) [N·m] of what was left out."""
+    judging, found = ground.model.criteria.judging, list[Excess]()
     for joint, name in enumerate(ground.joints):
         error, floor = rmse(e, joint), float(ground.floor[joint])
         used = np.isfinite(e[:, joint])

@@ -19,7 +19,7 @@ from exogauge.motion.excite.promise import COUNTED, Promise, promised
 from exogauge.motion.excite.search import Report, best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
-from exogauge.motion.plan.outcome import unseen
+from exogauge.motion.plan.outcome import may_touch, unseen
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.stance import Standing
@@ -122,10 +122,7 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
         said[f"{count.kind} parameters"] = (f"{count.decided} of {count.of} will be decided; median "
                                             f"{100 * count.left:.2g} % of the doubt before is left")  # fmt: skip
     said["undecided"] = [each.name for kind in COUNTED for each in plan.promise.open(kind) if not each.decided]
-    said |= unseen(plan.robot)
-    left_out = plan.planned.task.bounds.pairs.left_out
-    if left_out:
-        said["may touch"] = ", ".join(" and ".join(pair) for pair in left_out)
+    said |= unseen(plan.robot) | may_touch(plan.robot, plan.planned.task.bounds.pairs.left_out)
     broken = [*([f"{name}: {100 * share:.1f} % of its bound"] if share > 1.0 else []), *plan.judged]
     if broken:
         said["broken"] = broken

@@ -42,8 +42,9 @@ def read_bvh(path: Path, angle: str | None = None) -> Captured:
             (end if at_end else offset)[open_[-1]] = value
         elif word == "CHANNELS" and open_:
             channels[open_[-1]] = [each.lower() for each in words[2:]]
-            if words[1] != str(len(words) - 2):
-                raise fault(path, f"{words[1]} channels are announced and {len(words) - 2} named", "channel_count",
+            if words[1:2] != [str(len(words) - 2)]:
+                said = " ".join(words[1:2]) or "no"
+                raise fault(path, f"{said} channels are announced and {len(words[2:])} named", "channel_count",
                             "Export the file again", row=row, column=names[open_[-1]])  # fmt: skip
             if other := [each for each in words[2:] if each.lower() not in CHANNELS]:
                 raise fault(path, "this channel is neither a position nor a rotation", "bad_channel",

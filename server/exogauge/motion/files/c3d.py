@@ -53,11 +53,18 @@ def read_c3d(path: Path) -> Captured:
         raise fault(path, f"the header announces {frames} frames, and the file holds about {there}", "frame_count",
                     "A C3D header counts to 65535: cut the trial, or save it as TRC", value=str(frames))  # fmt: skip
     rows = _numbers(data, start, frames * wide, kind, processor).reshape(frames, wide)[:, : 4 * points]
-    place = rows.reshape(frames, points, 4).astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a NaN of another kind is a NaN
+        place = rows.reshape(frames, points, 4).astype(np.float64)
     position = place[..., :3] * (1.0 if scale < 0.0 else scale)
     position[(place[..., 3] < 0.0) | (position == 0.0).all(axis=2)] = np.nan
+    odd = np.isfinite(position).any(axis=2) & ~np.isfinite(position).all(axis=2)
     labels = [text for key in ("LABELS", "LABELS2", "LABELS3") for text in point.get(key, ())][:points]
     labels = [str(text) for text in labels] + [f"unnamed {k + 1}" for k in range(len(labels), points)]
+    if odd.any():
+        t, m = (int(each) for each in np.argwhere(odd)[0])
+        raise fault(path, "of this point a part of the coordinates is a number", "half_a_point",
+                    "The file is damaged: export it again", row=t + 1, column=labels[m],
+                    value=", ".join(f"{x:g}" for x in position[t, m]))  # fmt: skip
     other = {str(name) for each in NO_MARKERS for name in point.get(each, ())}
     kept = [k for k, label in enumerate(labels) if label not in other]
     if not kept:

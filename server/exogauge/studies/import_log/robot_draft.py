@@ -28,7 +28,7 @@ from exogauge.studies.words.remark_words import sentence
 HEAD = "# Drafted from the URDF. Check what is marked ?; fill in what is marked !."
 IMU = re.compile(r"imu|inertial|accel", re.I)
 SENSOR = re.compile(r"(^|[_\W])(f_?t|fts|force(_?torque)?|wrench|loadcell)([_\W\d]|$)", re.I)
-SOLE, FOOT = re.compile(r"sole", re.I), re.compile(r"foot|ankle|(^|_)ank(_|\d|$)", re.I)
+SOLE, FOOT = re.compile(r"sole", re.I), re.compile(r"foot|ankle|ankel|(^|_)ank(_|\d|$)", re.I)  # Qinglong: ankel
 
 
 @final

@@ -40,6 +40,8 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.ONCE: "it happens once, so nothing can be held out, and the evidence is not overwhelming",
     Why.PARTIAL: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
     "something else is the cause",
+    Why.OTHER_LAW: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: what "
+    "is there follows another law",
     Why.AT_ITS_EDGE: "its size would be at the edge of what can be, and leave {value:.2g} noise floors: something "
     "else is the cause",
     Why.DECLARED: "declared uncertainties of the measurement leave as much there, and explain all of it",
