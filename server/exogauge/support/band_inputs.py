@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
@@ -40,6 +41,37 @@ def torque_of_inputs(setting: Setting, fitted: Fitted) -> Array:
     return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(few.used.sum(axis=0), 1)))
 
 
+def left_by_inputs(setting: Setting, fitted: Fitted, e: Array, most: float) -> tuple[Array, dict[str, float]]:
+    """(D,) [N·m] RMS of e: (N, D), NaN where it does not count, with those inputs and springs that suit it best, each
+    input as likely as it is declared and no further than so many standard deviations; and what each kind of them does
+    to it, weighed."""
+    few = _Few(setting, fitted)
+    moves = list(few.torques())
+    own = few.residual(e)
+    used = np.isfinite(own) & (few.weight > 0.0)
+    if not moves or not used.any():
+        return _rms(own), {}
+    columns, springs = np.stack([torque for _, torque in moves], axis=2), few.columns.shape[2]
+    rows = np.concatenate([few.columns, columns], axis=2)
+    root = np.sqrt(few.weight[used])
+    prior = np.eye(rows.shape[2])[springs:]
+    size = np.maximum(np.sqrt(np.sum((rows[used] * root[:, None]) ** 2, axis=0)), 1e-300)
+    size[springs:] = 1.0
+    A = np.concatenate([rows[used] * root[:, None] / size, prior])
+    y = np.concatenate([own[used] * root, np.zeros(len(prior))])
+    bound = np.where(np.arange(rows.shape[2]) < springs, np.inf, most)
+    x = lsq_linear(A, y, (-bound, bound)).x / size
+    done = dict.fromkeys((name for name, _ in moves), 0.0)
+    for (name, torque), u in zip(moves, x[springs:], strict=True):
+        done[name] += float(np.sum(few.weight[used] * (u * torque[used]) ** 2))
+    return _rms(np.where(used, own - rows @ x, np.nan)), done
+
+
+def _rms(e: Array) -> Array:
+    """(D,) of what is not NaN; 0 where all is."""
+    return np.asarray(np.sqrt(np.nansum(e**2, axis=0) / np.maximum(np.isfinite(e).sum(axis=0), 1)))
+
+
 @final
 class _Few:
     """Every n-th sample, weighed for all: what is smooth needs no more."""
@@ -51,8 +83,13 @@ class _Few:
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
         self.used = logs.used[self._chosen]
-        self.weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
+        self.columns, self.weight = fitted.A[self._chosen], step * setting.weight[self._chosen]
+        self.weighted = self.columns * self.weight[:, :, None]
         self._wear, self._wires = fitted.wear, setting.wires
+
+    def residual(self, e: Array) -> Array:
+        """(n, D) of (N, D)."""
+        return np.asarray(e[self._chosen])
 
     def torques(self) -> Iterator[tuple[str, Array]]:
         """(n, D) [N·m] that one standard deviation of each input adds, and whose it is."""
