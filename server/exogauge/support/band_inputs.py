@@ -8,7 +8,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
@@ -28,7 +27,7 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
     log alone.
     """
-    few, found = _Few(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
+    few, found = BandInputs(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
     for name, torque in few.torques():
         found[name].append(np.einsum("ndp,nd->p", few.weighted, torque))
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
@@ -36,44 +35,13 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
 
 def torque_of_inputs(setting: Setting, fitted: Fitted) -> Array:
     """(D,) [N·m] RMS, where samples count, of what one standard deviation of all these inputs together adds."""
-    few = _Few(setting, fitted)
+    few = BandInputs(setting, fitted)
     squares = sum((np.where(few.used, torque, 0.0) ** 2 for _, torque in few.torques()), np.zeros(few.used.shape))
     return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(few.used.sum(axis=0), 1)))
 
 
-def left_by_inputs(setting: Setting, fitted: Fitted, e: Array, most: float) -> tuple[Array, dict[str, float]]:
-    """(D,) [N·m] RMS of e: (N, D), NaN where it does not count, with those inputs and springs that suit it best, each
-    input as likely as it is declared and no further than so many standard deviations; and what each kind of them does
-    to it, weighed."""
-    few = _Few(setting, fitted)
-    moves = list(few.torques())
-    own = few.residual(e)
-    used = np.isfinite(own) & (few.weight > 0.0)
-    if not moves or not used.any():
-        return _rms(own), {}
-    columns, springs = np.stack([torque for _, torque in moves], axis=2), few.columns.shape[2]
-    rows = np.concatenate([few.columns, columns], axis=2)
-    root = np.sqrt(few.weight[used])
-    prior = np.eye(rows.shape[2])[springs:]
-    size = np.maximum(np.sqrt(np.sum((rows[used] * root[:, None]) ** 2, axis=0)), 1e-300)
-    size[springs:] = 1.0
-    A = np.concatenate([rows[used] * root[:, None] / size, prior])
-    y = np.concatenate([own[used] * root, np.zeros(len(prior))])
-    bound = np.where(np.arange(rows.shape[2]) < springs, np.inf, most)
-    x = lsq_linear(A, y, (-bound, bound)).x / size
-    done = dict.fromkeys((name for name, _ in moves), 0.0)
-    for (name, torque), u in zip(moves, x[springs:], strict=True):
-        done[name] += float(np.sum(few.weight[used] * (u * torque[used]) ** 2))
-    return _rms(np.where(used, own - rows @ x, np.nan)), done
-
-
-def _rms(e: Array) -> Array:
-    """(D,) of what is not NaN; 0 where all is."""
-    return np.asarray(np.sqrt(np.nansum(e**2, axis=0) / np.maximum(np.isfinite(e).sum(axis=0), 1)))
-
-
 @final
-class _Few:
+class BandInputs:
     """Every n-th sample, weighed for all: what is smooth needs no more."""
 
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
