@@ -27,7 +27,7 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
     log alone.
     """
-    few, found = _Few(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
+    few, found = BandInputs(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
     for name, torque in few.torques():
         found[name].append(np.einsum("ndp,nd->p", few.weighted, torque))
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
@@ -35,13 +35,13 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
 
 def torque_of_inputs(setting: Setting, fitted: Fitted) -> Array:
     """(D,) [N·m] RMS, where samples count, of what one standard deviation of all these inputs together adds."""
-    few = _Few(setting, fitted)
+    few = BandInputs(setting, fitted)
     squares = sum((np.where(few.used, torque, 0.0) ** 2 for _, torque in few.torques()), np.zeros(few.used.shape))
     return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(few.used.sum(axis=0), 1)))
 
 
 @final
-class _Few:
+class BandInputs:
     """Every n-th sample, weighed for all: what is smooth needs no more."""
 
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
@@ -51,8 +51,13 @@ class _Few:
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
         self.used = logs.used[self._chosen]
-        self.weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
+        self.columns, self.weight = fitted.A[self._chosen], step * setting.weight[self._chosen]
+        self.weighted = self.columns * self.weight[:, :, None]
         self._wear, self._wires = fitted.wear, setting.wires
+
+    def residual(self, e: Array) -> Array:
+        """(n, D) of (N, D)."""
+        return np.asarray(e[self._chosen])
 
     def torques(self) -> Iterator[tuple[str, Array]]:
         """(n, D) [N·m] that one standard deviation of each input adds, and whose it is."""

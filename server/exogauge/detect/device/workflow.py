@@ -7,7 +7,7 @@ fitted with all bands' stiffness and natural length beside it, and must explain 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
+from exogauge.detect.device.declared import within_declared
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
 from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse, with_best_shape
@@ -26,7 +27,16 @@ from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
-from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Excess, Finding, Link
+from exogauge.findings.result import (
+    Alternative,
+    ChainStep,
+    Consequence,
+    Discrepancy,
+    Excess,
+    Finding,
+    Link,
+    WithinDeclared,
+)
 from exogauge.findings.verdict import Caveat, Objection, Seen, Why
 from exogauge.identification.model import RobotModel
 from exogauge.progress import Doing, Progress, unwatched
@@ -56,6 +66,7 @@ class WearFindings:
     seen: tuple[Seen, ...] = ()
     cannot: tuple[Caveat, ...] = ()
     bands: tuple[NamedBands, ...] = ()
+    declared: WithinDeclared = field(default_factory=WithinDeclared)
 
 
 def find_band_effects(
@@ -141,11 +152,15 @@ def search_wear(
             rejected += doubtful
             if named_now:
                 ended = replace(ground, setting=each.setting, fitted=each.fitted)
+    left_out = left_out_residual(ground.setting, ground.fitted.wear, folds)
+    above = _unexplained(ground, left_out)
+    declared = within_declared(ground, left_out, above, CHANNEL)
     return WearFindings(
         findings=tuple(findings),
         chain=_chain(ground, findings, wears, folds, of),
         rejected=tuple(rejected),
-        unexplained=_unexplained(ground, left_out_residual(ground.setting, ground.fitted.wear, folds)),
+        unexplained=tuple(each for each in above if each not in declared.channels),
+        declared=declared,
         seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
         bands=(NamedBands(device, ended.approach, ended.fit),) if len(wears) > 1 or ended is not ground else (),
@@ -177,6 +192,10 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         seen=(*found.seen, *said.seen),
         cannot=(*found.cannot, *said.cannot),
         bands=(*found.bands, *said.bands),
+        declared=WithinDeclared(
+            (*found.declared.channels, *said.declared.channels),
+            tuple(dict.fromkeys((*found.declared.sources, *said.declared.sources))),
+        ),
     )
 
 
