@@ -71,7 +71,7 @@ quick-tests:
 	$(TESTS) -m "not slow"
 
 every-test:  # quick ones too: they are collected once, and share what the slow ones of their file evaluate
-	$(TESTS) -m "not e2e and not thorough"
+	$(TESTS) -m "not e2e and not thorough" --durations 12
 
 thorough: web  ## before a release: whole samples as a laboratory records them, and what takes long beside a quicker test
 	$(TESTS) -m "thorough and not e2e"

@@ -378,7 +378,7 @@ def test_something_that_pulls_where_no_band_is_declared_is_named_at_that_joint_o
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.thorough)])
 def test_beside_a_band_that_nobody_declared_no_number_of_the_others_is_blamed(trunk, seed):
     found = search(trunk, ("back", "extra_band"), seed)
     assert "extra_band" in {effect for effect, _ in named(found)}
@@ -416,7 +416,7 @@ def test_declared_via_points_do_not_hide_a_strap_that_slides(trunk):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("approach", ["A", "B"])
+@pytest.mark.parametrize("approach", ["A", pytest.param("B", marks=pytest.mark.thorough)])
 def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(trunk, approach):
     found = search(trunk, ("left", "strap_slides"), approach=approach)
     assert (found.verdict, named(found)) == ("unexplained", [])
