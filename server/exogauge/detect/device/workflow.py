@@ -161,7 +161,7 @@ def search_wear(
         rejected=tuple(rejected),
         unexplained=tuple(each for each in above if each not in declared.channels),
         declared=declared,
-        seen=_seen(ground, folds),
+        seen=_seen(ground, left_out),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
         bands=(NamedBands(device, ended.approach, ended.fit),) if len(wears) > 1 or ended is not ground else (),
         tried=tried,
@@ -296,6 +296,8 @@ def _of_their_laws(
 ) -> tuple[Ground, list[Wear], list[Finding], list[Alternative]]:
     """Without the laws that leave, of what there was beside springs, as much as the noise and more than a law does that
     is not quite right: what is there follows another. A further band, whose course is hardly ever right, stays."""
+    if not findings:
+        return ground, list(wears), [], []
     was, now = (left_out_residual(each.setting, each.fitted.wear, folds) for each in (first, ground))
     kept, refuted = list[int](), list[Alternative]()
     for number, (finding, added) in enumerate(zip(findings, wears[-1].added, strict=True)):
@@ -360,10 +362,10 @@ def _unexplained(ground: Ground, e: Array) -> tuple[Excess, ...]:
     return tuple(found)
 
 
-def _seen(ground: Ground, folds: Folds) -> tuple[Seen, ...]:
+def _seen(ground: Ground, e: Array) -> tuple[Seen, ...]:
     """Joints that the wear acts on, as `_unexplained` looks at them, by blocks that were left out of the fit. A joint
-    that the robot's own search asked for motion is not asked for it again."""
-    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Seen]()
+    that the robot's own search asked for motion is not asked for it again. e: as there."""
+    found = list[Seen]()
     for joint, name in enumerate(ground.joints):
         used = np.isfinite(e[:, joint])
         if ground.floor[joint] > 0.0 and used.any():

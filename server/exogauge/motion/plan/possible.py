@@ -13,7 +13,6 @@ from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
-SAME = 1e-9  # what rounding leaves of a number of rows
 Tried = Callable[[str, float, int, bool], None]
 """What was changed, by how much, on how many nodes it was planned, and whether it holds."""
 
@@ -40,7 +39,8 @@ def paced(criteria: MotionPlan, slow: float, rate: float) -> MotionPlan:
     itself. With nodes between rows its jerk rang to 119 % of what the plan keeps."""
     k = max(slow, 1.0)
     nodes = criteria.nodes_per_s / k
-    nodes = rate / int(rate / nodes + SAME) if rate > nodes else nodes  # fewer rows than nodes hold no plan
+    rounding = 1e-9  # of a number of rows
+    nodes = rate / int(rate / nodes + rounding) if rate > nodes else nodes  # fewer rows than nodes hold no plan
     return replace(criteria, nodes_per_s=nodes, stretch_s=k * criteria.stretch_s, ahead_s=k * criteria.ahead_s)
 
 
