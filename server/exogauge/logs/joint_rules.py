@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
-from scipy.signal import correlate, correlation_lags
 
 from exogauge.criteria.examining import Examining
 from exogauge.criteria.logs import LOGS
@@ -104,7 +103,7 @@ def jumps(log: Log, expected: Expectation) -> Iterator[Finding]:
         known = 0.0 < limits.velocity < np.inf
         fastest = limits.velocity if known else float(np.quantile(speed, 0.99))
         warned, wrong = criteria.jump_speed
-        usual = median_filter(step, 2 * criteria.around + 1, mode="nearest")
+        usual = scipy.ndimage.median_filter(step, 2 * criteria.around + 1, mode="nearest")
         jumps = (step > criteria.jump * usual) & (speed > warned * fastest)
         turns = step[jumps] / (2.0 * np.pi)
         if not jumps.any() or np.mean(jumps) > criteria.jumps or (limits.turns and np.all(np.abs(turns % 1.0) > 0.9)):
@@ -222,10 +221,10 @@ def _evenly(time: Array, *signals: Array) -> tuple[Array, Array, float]:
 
 def _lag(reference: Array, signal: Array, longest: int, unlike: float) -> tuple[float, float]:
     """Correlation at the best lag, and that lag in samples (positive: signal is late), to a fraction of one."""
-    lags = correlation_lags(signal.size, reference.size)
+    lags = scipy.signal.correlation_lags(signal.size, reference.size)
     near = np.abs(lags) <= longest
     scale = float(np.linalg.norm(reference) * np.linalg.norm(signal))
-    correlation, lags = (correlate(signal, reference, method="fft") / scale)[near], lags[near]
+    correlation, lags = (scipy.signal.correlate(signal, reference, method="fft") / scale)[near], lags[near]
     at_zero = float(correlation[lags == 0][0])
     best = int(np.argmax(-correlation if at_zero < -unlike else correlation))
     shift = 0.0
