@@ -10,10 +10,12 @@ from exogauge.effects.torque_ripple import TorqueRipple
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.steady import remarks_on_creeping
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.results.document import summaries
+from exogauge.studies.words.notices import notice
 
 URDF = b"""<robot name="gantry"><link name="rail"/>
 <link name="car"><inertial><origin xyz="0 0 0"/><mass value="4"/>
@@ -97,3 +99,8 @@ def test_a_leadscrews_ripple_is_told_per_metre_of_its_way() -> None:
     assert finding.parameters["cycles"].unit == "1/m"
     assert finding.parameters["cycles"].value == pytest.approx(PITCH, abs=0.1)
     assert finding.evidence.unit == "m"
+
+
+def test_the_speed_below_which_it_creeps_is_in_metres_per_second() -> None:
+    (remark,) = remarks_on_creeping({"lift": 0.01, "swing": 0.02}, {"lift"})
+    assert "lift (below 0.01 m/s), swing (below 0.02 rad/s)" in notice(remark).sentence
