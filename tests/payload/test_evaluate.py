@@ -446,7 +446,7 @@ BAD: dict[str, tuple[Change, str]] = {
     "unknown frame": (key("sensor", "frame", value="wrist"), "frame"),
     "unknown column": (key("sensor", "wrench", value=["Fx", "fy", "fz", "mx", "my", "mz"]), "column"),
     "unknown key": (key("sensor", "nois", value=3), "nois"),
-    "unit": (key("sensor", "force_unit", value="dyn"), "kgf"),
+    "unit": (key("sensor", "force_unit", value="dyn"), r"payload\.yaml, column 'sensor\.force_unit'.*kgf"),
     "missing value": (broken("postures", put("fz", 40, np.nan)), "row 41"),
     "infinite": (broken("excitation", put("q.a4", 7, np.inf)), "row 8"),
     "time twice": (broken("excitation", put("t", 100, 99 / 250)), "row 101"),

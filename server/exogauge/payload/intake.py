@@ -129,6 +129,7 @@ def open_payload(path: Path, roles: Collection[Role] = ROLES, criteria: Complain
     if not path.is_file():
         raise BadStudy(Fault("there is no such file", "no_file", "Name payload.yaml or its folder.", str(path)))
     file = load_yaml(path.read_bytes(), PayloadFile, file=path.name)
+    _require_units(file, path.name)
     folder = path.parent
     named = [name for entry in file.logs for name in entry.file] + ([file.pose.urdf] if file.pose.urdf else [])
     missing = [name for name in dict.fromkeys(named) if not (folder / name).is_file()]
@@ -291,12 +292,24 @@ def _no_column(column: str, tables: Sequence[Table], advice: str) -> Fault:
     )  # fmt: skip
 
 
-def factor_of(unit: str, dimension: str, file: str) -> float:
+def factor_of(unit: str, dimension: str, file: str, key: str | None = None) -> float:
+    """key: of payload.yaml, where the unit stands."""
     found = find_unit(unit)
     if found is None or found.dimension != dimension:
         advice = f"Known: {', '.join(units_of((dimension,)))}."
-        raise BadStudy(Fault(f"{shorten(unit)!r} is no unit of {dimension}", "unknown_unit", advice, file))
+        detail = f"{shorten(unit)!r} is no unit of {dimension}"
+        raise BadStudy(Fault(detail, "unknown_unit", advice, file, None, key, shorten(unit)))
     return found.factor
+
+
+def _require_units(file: PayloadFile, name: str) -> None:
+    sensor, pose, imu = file.sensor, file.pose, file.imu
+    stated = [(sensor.force_unit, "force", "sensor.force_unit"), (sensor.moment_unit, "torque", "sensor.moment_unit"),
+              (pose.angle_unit, "angle", "pose.angle_unit"), (pose.position_unit, "length", "pose.position_unit"),
+              (file.time.unit, "time", "time.unit"),
+              *([(imu.unit, "acceleration", "imu.unit")] if imu else [])]  # fmt: skip
+    for unit, dimension, key in stated:
+        factor_of(unit, dimension, name, key)
 
 
 def check_angles(angles: Stream, columns: Sequence[str], criteria: Complaining = USUAL) -> None:

@@ -125,8 +125,8 @@ def postures_stage(
             "world_axes": ("the postures fit wrenches in the base's axes", "Say `sensor.axes: base`."),
             "sensor_axes": ("the postures fit wrenches in the sensor's own axes", "Say `sensor.axes: sensor`."),
             "unexplained": ("no weight explains the forces of these postures", "Check that nothing touched the "
-                            "payload, that it does not shift, the order and axes of pose and wrench, and that clocks "
-                            "of several files count from the same instant."),
+                            "payload, that it does not shift, the order and axes of pose and wrench, the unit of "
+                            "angles, and that clocks of several files count from the same instant."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
     exchanged = exchanged_moments(holds, still)

@@ -273,11 +273,15 @@ def further_posture(holds: Holds, solution: StaticSolution, criteria: Standing =
     candidates = np.array([pin.rpy.rpyToMatrix(x, y, z) for x in angles for y in angles[2:7] for z in angles])
     wrenches = solution.predict(candidates)
 
+    def weighted(rotation: Array, wrench: Array) -> tuple[Array, Array]:
+        rows = np.tile(noise.reshape(2, 3), len(rotation))[:, :, None]
+        return force_columns(rotation) / rows[0], moment_columns(wrench[:, :3]) / rows[1]
+
     def information(rotation: Array, wrench: Array) -> float:
-        parts = (force_columns(rotation) / noise[0], moment_columns(wrench[:, :3]) / noise[3])
+        parts = weighted(rotation, wrench)
         return sum(float(np.linalg.slogdet(before + A.T @ A)[1]) for before, A in zip(held, parts, strict=True))
 
-    held = [A.T @ A for A in (force_columns(holds.rotation) / noise[0], moment_columns(holds.wrench[:, :3]) / noise[3])]
+    held = [A.T @ A for A in weighted(holds.rotation, holds.wrench)]
     gains = [information(R[None], w[None]) for R, w in zip(candidates, wrenches, strict=True)]
     k = int(np.argmax(gains))
     rotation = np.concatenate([holds.rotation, candidates[[k]]])
