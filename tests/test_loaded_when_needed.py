@@ -18,6 +18,9 @@ DOCTOR = """
 import exogauge.studies.intake.admit, exogauge.studies.intake.open
 import exogauge.studies.results.examine_logs, exogauge.studies.words.notices
 """
+PAYLOAD = """
+import exogauge.payload.intake, exogauge.payload.planning.plan, exogauge.payload.live_process
+"""
 EFFECTS = """
 from exogauge.effects import catalogue
 from exogauge.effects.band_laws import all_laws
@@ -64,3 +67,15 @@ def test_what_a_command_does_not_use_is_not_loaded(step: str, loaded: dict[str, 
 def test_a_service_loads_no_numerics() -> None:
     (loaded,) = loaded_after("import exogauge.api.app")
     assert not loaded & SERVICE
+
+
+@pytest.mark.slow
+def test_a_payload_is_opened_and_followed_without_what_makes_reports() -> None:
+    (loaded,) = loaded_after(PAYLOAD)
+    assert not loaded & {*SHELL, *PAGES, "scipy.signal", "scipy.stats", "h5py", "rosbags"}
+
+
+@pytest.mark.slow
+def test_words_and_urdfs_load_no_numerics_but_arrays_and_bodies() -> None:
+    (loaded,) = loaded_after("import exogauge.studies.words.names, exogauge.robots.urdf")
+    assert not loaded & {*SHELL, *PAGES, "scipy.linalg", "numba", "pyarrow"}

@@ -127,7 +127,7 @@ def walk() -> None:
             36,
             column,
             "supporting torque",
-            "A: with minus without the device",
+            "A: without minus with the device",
             "B: model minus measurement",
             kind="soft",
         ),

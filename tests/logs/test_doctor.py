@@ -199,10 +199,32 @@ def lying_sensors(channels: Channels) -> None:
         channels[up], channels[side] = channels[side], channels[up]
 
 
+def lose_counts(channels: Channels) -> None:
+    channels["q.hip"][3000:] += 0.2
+    del channels["dq.hip"]
+
+
+def miss_one(channels: Channels) -> None:
+    channels["q.finger"] += 2e-5 * np.random.default_rng(1).standard_normal(SAMPLES)
+    channels["q.finger"][1234] = 0.0
+    del channels["dq.finger"]
+
+
+def log_too_often(channels: Channels) -> None:
+    channels["tau.ankle"] = channels["tau.ankle"][np.arange(SAMPLES) // 4 * 4]
+
+
+def read_slowly(channels: Channels) -> None:
+    channels["q.knee"] = channels["q.knee"][np.arange(SAMPLES) // 5 * 5]
+    del channels["dq.knee"]
+
+
 CASES = [
     ("not_finite", "tau.ankle", drop),
     ("dead", "i.hip", unplug),
     ("frozen", "acc.y", freeze),
+    ("held", "tau.ankle", log_too_often),
+    ("held", "q.knee", read_slowly),
     ("saturated", "i.knee", clip),
     ("coarse", "q.knee", round_off),
     ("noisier_than_declared", "tau.ankle", hum),
@@ -211,6 +233,8 @@ CASES = [
     ("degrees", "q.hip", in_degrees),
     ("motor_side", "q.ankle", on_the_motors_side),
     ("jumps_by_a_turn", "q.wheel", wrap),
+    ("position_jumps", "q.hip", lose_counts),
+    ("position_jumps", "q.finger", miss_one),
     ("beyond_limits", "q.hip", shift_zero),
     ("current_in_milliamperes", "i.hip", milliamperes),
     ("velocity_unlike", "dq.hip", wrong_joint),

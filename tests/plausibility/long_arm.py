@@ -46,10 +46,13 @@ def long_arm(folder: Path, rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Robot:
     return load_robot(folder)
 
 
-def record(seed: int, seconds: float = 20.0, rpy: tuple[float, ...] = (0.0, 0.0, 0.0), rub: float = 1.0) -> Columns:
+def record(
+    seed: int, seconds: float = 20.0, rpy: tuple[float, ...] = (0.0, 0.0, 0.0), rub: float = 1.0, g: float = 9.81
+) -> Columns:
     """Its bodies off by some percent, with friction of no simple law, `rub` times as much as usual."""
     rng, truth = np.random.default_rng(seed), np.random.default_rng(7)
     model = pin.buildModelFromXML(urdf(rpy))
+    model.gravity.linear = np.array([0.0, 0.0, -g])
     for body in range(1, model.njoints):
         own = model.inertias[body]
         lever = own.lever * (1.0 + 0.05 * truth.standard_normal())

@@ -65,6 +65,18 @@ def test_another_recordings_efforts_are_told_of_their_log_alone(robot: Robot, lo
     assert {each.rule for _, each in found} <= {"effort_unlike", "effort_clock"}
 
 
+@pytest.mark.parametrize("degrees", [35.0])
+def test_an_encoder_that_was_set_anew_before_one_log_is_told_there_with_its_angle(
+    tmp_path: Path, degrees: float
+) -> None:
+    """Silent before, or another joint's effort was told to be unlike: zeros were sought in all logs together."""
+    arm = [record(seed) for seed in (1, 2, 3)]
+    moved = with_one(arm, {"q.lift": arm[1]["q.lift"] + np.radians(degrees)})
+    ((log, found),) = told(long_arm(tmp_path), moved)
+    assert (log, found.channel, found.rule) == ("log_1", "q.lift", "zero_moved")
+    assert np.degrees(found.value or 0.0) == pytest.approx(degrees, abs=2.5)
+
+
 def test_a_slip_of_one_log_that_is_wrong_otherwise_as_well_is_the_nearest_of_what_is_tried(tmp_path: Path) -> None:
     """Another robot's log may look like exchanged joints, and is not mended by exchanging them."""
     arm = [record(seed) for seed in (1, 2, 3)]

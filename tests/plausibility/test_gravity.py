@@ -48,3 +48,9 @@ def test_a_quarter_of_a_turn_about_a_horizontal_pan_may_be_its_zero(tmp_path: Pa
     found = told(long_arm(tmp_path, (np.pi / 2, 0.0, 0.0)), off)
     assert {each.rule for each in found} == {"gravity_direction"}
     assert all("q.pan" in each.advice and "90°" in each.detail for each in found)
+
+
+def test_efforts_without_the_weight_that_a_controller_holds_are_told_as_such(tmp_path: Path) -> None:
+    """Bodies in doubt by a quarter explained it away: silent, or a zero was blamed."""
+    found = told(long_arm(tmp_path), [record(seed, g=0.0) for seed in (1, 2)])
+    assert {(each.channel, each.rule) for each in found} == {("i.*", "gravity_left_out")}

@@ -92,9 +92,8 @@ def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:
 def payload(folder: str) -> dict[str, Any]:
     """payload.yaml, every log from its first row to its last, and the robot of its plan at home."""
     from exogauge.errors import BadStudy, Fault
-    from exogauge.payload.intake import open_payload
+    from exogauge.payload.intake import open_payload, summary
     from exogauge.payload.planning.plan import open_plan
-    from exogauge.payload.report import summary
 
     opened = open_payload(Path(folder))
     if opened.file.plan is not None:

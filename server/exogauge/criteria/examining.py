@@ -62,6 +62,9 @@ class Examining:
     alive: float = criterion(
         0.2, "1", "of the samples may repeat in a channel that is expected to change all the time", judgement(RULES)
     )
+    shared_samples: int = criterion(
+        50, "samples", "in a row that read alike in two logs, before they count as the same", judgement(RULES)
+    )
     coarse_bits: float = criterion(
         6.0, "bits", "over a channel's range, below which its steps are warned of", judgement(RULES)
     )
@@ -79,6 +82,19 @@ class Examining:
     most_amperes: float = criterion(
         200.0, "A", "no joint of a robot that a person can stand beside takes more", judgement(RULES)
     )
+    around: int = criterion(
+        8, "changes", "of a position before and after a step, by which it is judged", judgement(RULES)
+    )
+    jump: float = criterion(
+        5.0, "1", "times the median of these, from which a step of a position may be a jump", judgement(RULES)
+    )
+    jump_speed: tuple[float, float] = criterion(
+        (2.0, 5.0),
+        "1",
+        "times the joint's limit, else its top speed otherwise, from which a jump is warned of, and is an error",
+        measured("a walking iCub, 100 Hz: 14 jumps of 2 to 3.1 where samples were lost"),
+    )
+    jumps: float = criterion(0.01, "1", "of all steps, at most: what jumps more often is noise", judgement(RULES))
     far_beyond: float = criterion(
         3.0, "spans", "of its limits, by which a position in degrees lies beyond them at the least", judgement(RULES)
     )

@@ -156,38 +156,9 @@ def type_b(
     robot = equations.robot
     names, std = common_inputs(robot)
     motors, zeros = drifts_in_doubt(robot), zeros_in_doubt(robot)
-    if not (len(names) or motors or zeros.any()):
-        return TypeB(moved=np.zeros((equations.size, 0)), moved_by_zeros=np.zeros((equations.size, 0)))
-    phi = solution.solved.x[: equations.base_size]
-
-    def of_log(prepared: Prepared) -> _Sums:
-        kept = prepared.kept
-        columns = common_columns(equations, prepared, kept, cutoff_hz, phi)
-        every, zero = drift_columns(equations, xi, prepared, kept), zero_columns(equations, prepared, kept)
-        drifts = {name: every[name] for name in motors}
-        none = np.zeros((equations.size, len(robot.joints)))
-        sums = _Sums(
-            np.zeros((equations.size, len(names))),
-            np.zeros((equations.size, zero.shape[1])),
-            {name: none.copy() for name in drifts},
-        )
-        at_rest, layout = equations.layout.numbers(RowType.AT_REST), equations.layout
-        for _, chunks in equations.rows(prepared, solution.solved.x):
-            for chunk in chunks:
-                weight = solution.weights[chunk.kind]
-                if weight <= 0.0 or chunk.kind in at_rest:
-                    continue
-                (told,), A, own = layout.in_told([chunk.kind]), -weight * chunk.block[:, :-1].T, chunk.columns
-                sums.common[own] += A @ columns[chunk.samples, :, told]
-                if told < layout.told.axes.stop:
-                    sums.zeros[own] += A @ zero[chunk.samples, :, told]
-                if layout.rows[chunk.kind].type == RowType.AXIS:
-                    axis = layout.rows[chunk.kind].place
-                    for name, drift in drifts.items():
-                        sums.drifts[name][own, axis] += A @ drift[chunk.samples, axis]
-        return sums
-
     P = equations.size
+    if not (len(names) or motors or zeros.any()):
+        return TypeB(moved=np.zeros((P, 0)), moved_by_zeros=np.zeros((P, 0)))
     common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, *motors)}
     zeros_alike = np.zeros((P, zeros.size if zeros.any() else 0))
     known = session([each.log for each in logs], [True] * len(logs), started)
@@ -195,7 +166,8 @@ def type_b(
     if robot.declared.zeros_taken_once and zeros.any():
         going[ZERO] = zeros
     along = {name: np.zeros((len(DECLARED.warming_s), P, len(size))) for name, size in going.items() if known}
-    for prepared, sums in zip(logs, side_by_side(of_log, logs), strict=True):
+    in_logs = side_by_side(lambda each: _sums_of(equations, each, solution, xi, cutoff_hz), logs)
+    for prepared, sums in zip(logs, in_logs, strict=True):
         common += sums.common
         zeros_alike += sums.zeros
         own = {name: B * motors[name] for name, B in sums.drifts.items()}
@@ -214,6 +186,31 @@ def type_b(
             by_log[name] += V @ V.T
     alike, by_zeros = solution.unbounded.divided(common), solution.unbounded.divided(zeros_alike)
     return TypeB(names, std, alike, {n: C for n, C in by_log.items() if C.any()}, by_zeros)
+
+
+def _sums_of(equations: Equations, prepared: Prepared, solution: Solution, xi: Array, cutoff_hz: float) -> _Sums:
+    """Of one log, by the weights of the solution."""
+    layout, P = equations.layout, equations.size
+    axes, at_rest = layout.told.axes, layout.numbers(RowType.AT_REST)
+    phi, kept, motors = solution.solved.x[: equations.base_size], prepared.kept, drifts_in_doubt(equations.robot)
+    columns = common_columns(equations, prepared, kept, cutoff_hz, phi)
+    zero, every = zero_columns(equations, prepared, kept), drift_columns(equations, xi, prepared, kept)
+    common, zeros = np.zeros((P, columns.shape[1])), np.zeros((P, zero.shape[1]))
+    drifts = {name: np.zeros((P, len(equations.robot.joints))) for name in motors}
+    for _, chunks in equations.rows(prepared, solution.solved.x):
+        for chunk in chunks:
+            weight = solution.weights[chunk.kind]
+            if weight <= 0.0 or chunk.kind in at_rest:
+                continue
+            (told,), A, own = layout.in_told([chunk.kind]), -weight * chunk.block[:, :-1].T, chunk.columns
+            common[own] += A @ columns[chunk.samples, :, told]
+            if told < axes.stop:
+                zeros[own] += A @ zero[chunk.samples, :, told]
+            if layout.rows[chunk.kind].type == RowType.AXIS:
+                axis = layout.rows[chunk.kind].place
+                for name, drift in drifts.items():
+                    drift[own, axis] += A @ every[name][chunk.samples, axis]
+    return _Sums(common, zeros, drifts)
 
 
 def zeros_in_doubt(robot: Robot) -> Array:

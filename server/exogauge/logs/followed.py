@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal import correlate
 
 from exogauge.criteria.following import Following
 from exogauge.logs.model import Log
@@ -127,7 +127,7 @@ def _place(t: Array, measured: Array, time: Array, wanted: Array, rules: Followi
     plan = np.stack([np.interp(own, time, column) for column in wanted.T], axis=1)
     middle = plan.mean(axis=0)
     log, plan = log - middle, plan - middle
-    product = np.sum([correlate(a, b, mode="full") for a, b in zip(log.T, plan.T, strict=True)], axis=0)
+    product = np.sum([scipy.signal.correlate(a, b, mode="full") for a, b in zip(log.T, plan.T, strict=True)], axis=0)
     shift = np.arange(len(product)) - (len(plan) - 1)  # of the plan's begin, in samples of the log
     first, last = np.maximum(shift, 0), np.minimum(shift + len(plan), len(log))
     count = last - first

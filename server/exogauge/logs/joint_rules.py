@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import correlate, correlation_lags
 
 from exogauge.criteria.examining import Examining
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass
-from exogauge.logs.findings import Expectation, Finding, JointLimits, first_row, joint_channels, varies
+from exogauge.logs.findings import Expectation, Finding, JointLimits, Severity, first_row, joint_channels, varies
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 from exogauge.logs.resampling import is_even
@@ -88,6 +88,35 @@ def jumps_by_a_turn(log: Log, expected: Expectation) -> Iterator[Finding]:
         detail = f"jumps by a full turn {times}, first from {values[row - 2]:.4g} to {values[row - 1]:.4g} rad"
         advice = "unwrap the angle before it is handed in: positions are filtered and differentiated across the jump"
         yield Finding("error", f"q.{joint}", "jumps_by_a_turn", detail, advice, row, float(step[row - 2]))
+
+
+def jumps(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """A step or a spike: far faster than the joint can be, and than it moves right before and after."""
+    criteria = expected.criteria
+    for joint, values in joint_channels(log, "q").items():
+        limits = expected.joints.get(joint, JointLimits())
+        rows = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])  # one value may be told for several samples
+        if rows.size <= 2 * criteria.around or not np.isfinite(values).all():
+            continue
+        step, since = np.abs(np.diff(values[rows])), np.diff(log.time[rows])
+        speed = step / np.minimum(since, 2.0 * np.median(since))
+        known = 0.0 < limits.velocity < np.inf
+        fastest = limits.velocity if known else float(np.quantile(speed, 0.99))
+        warned, wrong = criteria.jump_speed
+        usual = scipy.ndimage.median_filter(step, 2 * criteria.around + 1, mode="nearest")
+        jumps = (step > criteria.jump * usual) & (speed > warned * fastest)
+        turns = step[jumps] / (2.0 * np.pi)
+        if not jumps.any() or np.mean(jumps) > criteria.jumps or (limits.turns and np.all(np.abs(turns % 1.0) > 0.9)):
+            continue
+        worst = int(np.argmax(np.where(jumps, speed, 0.0)))
+        row = int(rows[worst + 1]) + 1
+        times = "once, " if jumps.sum() == 1 else f"{jumps.sum()} times, most "
+        can = "as fast as the joint can be" if known else "its top speed otherwise"
+        ratio = float(speed[worst] / fastest)
+        detail = f"jumps {times}from {values[row - 2]:.4g} to {values[row - 1]:.4g}: {ratio:.2g} times {can}"
+        advice = "a wrong sample, or lost counts: repair these samples, or cut the log there (`rows`)"
+        severity: Severity = "error" if ratio > wrong else "warning"
+        yield Finding(severity, f"q.{joint}", "position_jumps", detail, advice, row, float(values[row - 1]))
 
 
 def beyond_speed(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -192,10 +221,10 @@ def _evenly(time: Array, *signals: Array) -> tuple[Array, Array, float]:
 
 def _lag(reference: Array, signal: Array, longest: int, unlike: float) -> tuple[float, float]:
     """Correlation at the best lag, and that lag in samples (positive: signal is late), to a fraction of one."""
-    lags = correlation_lags(signal.size, reference.size)
+    lags = scipy.signal.correlation_lags(signal.size, reference.size)
     near = np.abs(lags) <= longest
     scale = float(np.linalg.norm(reference) * np.linalg.norm(signal))
-    correlation, lags = (correlate(signal, reference, method="fft") / scale)[near], lags[near]
+    correlation, lags = (scipy.signal.correlate(signal, reference, method="fft") / scale)[near], lags[near]
     at_zero = float(correlation[lags == 0][0])
     best = int(np.argmax(-correlation if at_zero < -unlike else correlation))
     shift = 0.0

@@ -14,7 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Examining
-from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, kind_of, longest_run, runs, varies
+from exogauge.logs.findings import (
+    Expectation,
+    Finding,
+    Severity,
+    first_row,
+    joint_channels,
+    kind_of,
+    longest_run,
+    runs,
+    varies,
+)
 from exogauge.logs.model import Log
 from exogauge.logs.noise import ChannelNoise, noise_of, quantisation_step
 from exogauge.logs.stored_band import stored_edge
@@ -66,6 +76,30 @@ def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
             detail = f"stands at {values[start]:g} for {length / log.rate_hz:.3g} s from t = {log.time[start]:.6g} s"
             advice = "the sensor or its bus stopped for a while: cut the log there"
             yield Finding("warning", channel, "frozen", detail, advice, start + 1, float(values[start]))
+
+
+def held(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Channels that are told more often than they are measured: steps, which no derivative survives."""
+    told = dict[tuple[str, int], list[tuple[str, int]]]()
+    for channel, values in log.channels.items():
+        if kind_of(channel) in (*SENSED, "q") and np.isfinite(values).all():
+            changes = np.flatnonzero(np.diff(values))
+            if changes.size < expected.criteria.clipped_count:
+                continue
+            apart = np.diff(changes)
+            every = int(np.median(apart))
+            regular = np.mean(np.abs(apart - every) <= 1) > 1.0 - expected.criteria.alive
+            lattice = quantisation_step(values) or 0.0
+            usual = float(np.median(np.abs(np.diff(values)[changes])))
+            if every > 1 and regular and usual > expected.criteria.still_steps * lattice:
+                told.setdefault((kind_of(channel), every), []).append((channel, int(changes[0]) + 2))
+    for (kind, every), channels in told.items():
+        name = channels[0][0] if len(channels) == 1 else f"{kind}.*"
+        rate = log.rate_hz / every
+        detail = f"holds each value for {every} samples: measured at {rate:.3g} Hz, told at {log.rate_hz:.3g} Hz"
+        advice = f"log it as it is measured, or bring the log to that rate: `rate_hz: {rate:.3g}` in a mapping"
+        severity: Severity = "error" if kind == "q" else "warning"
+        yield Finding(severity, name, "held", detail, advice, channels[0][1], rate)
 
 
 def saturated(log: Log, expected: Expectation) -> Iterator[Finding]:

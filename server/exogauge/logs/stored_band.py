@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import welch
 
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.bandwidth import varies
@@ -154,7 +154,7 @@ def _spectra(values: Array, rate_hz: float, window: str | tuple[str, float], len
     for first in range(0, len(values), together):
         # differences, because a slow sweep would leak over all that is weak
         steps = np.diff(values[first : first + together])
-        frequency, power = welch(steps, rate_hz, window, nperseg=length, detrend="constant")
+        frequency, power = scipy.signal.welch(steps, rate_hz, window, nperseg=length, detrend="constant")
         gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
         found.append(10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300)))
     return frequency, np.concatenate(found)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from exogauge.criteria.payload_static import USUAL, Standing
 
@@ -57,7 +57,7 @@ def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]], criteria: St
         return _left(rows(lag))
 
     latest, beside = criteria.latest_imu_s, criteria.beside_imu_s
-    best = minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-latest, latest), method="bounded",
+    best = scipy.optimize.minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-latest, latest), method="bounded",
                            options={"xatol": 1e-4})  # fmt: skip
     lag = float(best.x)
     around = np.array([lag - beside, lag, lag + beside])

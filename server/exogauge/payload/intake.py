@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import final, get_args
+from typing import Any, final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -343,3 +343,37 @@ def from_quaternion(stream: Stream, order: str, criteria: Complaining = USUAL) -
         raise BadStudy(Fault(detail, "not_a_quaternion", advice, stream.file, k + 1, value=f"{size[k]:.6g}"))
     R = Rotation.from_quat(stream.values, scalar_first=order == "wxyz").as_matrix()
     return Stream(stream.time, R.reshape(-1, 9), stream.file)
+
+
+def summary(payload: Payload) -> dict[str, Any]:
+    """What a list shows of it, before anything is identified. logs: rate_hz and duration_s of the wrench, None where
+    each row is one posture. plan: joints that move."""
+    file = payload.file
+    pose = file.pose
+    return {
+        "name": file.name,
+        "gravity": list(file.gravity),
+        "sensor": file.sensor.model_dump(mode="json"),
+        "pose": "joints" if pose.joints else "quaternion" if pose.quaternion else "rotation",
+        "joints": list(pose.joints or ()),
+        "imu": file.imu is not None,
+        "settings": file.settings.model_dump(mode="json"),
+        "ground_truth": file.ground_truth.model_dump(mode="json"),
+        "logs": [
+            {"file": list(entry.file)} | _seen(each) for entry, each in zip(file.logs, payload.recordings, strict=True)
+        ],
+        "plan": None if file.plan is None else {"joints": list(file.plan.joints)},
+    }
+
+
+def _seen(recording: Recording) -> dict[str, Any]:
+    time = recording.wrench.time
+    duration = None if recording.each_row else float(time[-1] - time[0])
+    rate = None if not duration else (len(time) - 1) / duration
+    return {
+        "name": recording.name,
+        "role": recording.role,
+        "samples": len(time),
+        "rate_hz": rate,
+        "duration_s": duration,
+    }

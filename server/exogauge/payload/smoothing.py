@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.jerk_filter import WARM, backward, forward, gains
@@ -103,7 +103,7 @@ def likeliest(z: Array, step: Array) -> float:
         logs, squares = forward(z, step, 10.0**exponent, x, P)
         return logs + squares
 
-    found = minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
+    found = scipy.optimize.minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
     return float(10.0**found.x)
 
 
@@ -118,7 +118,7 @@ def shown_std(positions: Array, step: Array, stated: float, criteria: Moving = U
         logs, squares = forward(z, step, 10.0**exponent, x, P)
         return float(logs + count * np.log(max(squares, 1e-300) / count))
 
-    found = minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
+    found = scipy.optimize.minimize_scalar(cost, bounds=RATIOS, method="bounded", options={"xatol": 0.02})
     shown = float(np.sqrt(innovation_variance(z, step, 10.0**found.x)))
     return stated * shown if shown > criteria.noisier else stated
 

@@ -30,15 +30,16 @@ from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules
 from exogauge.plausibility.remedies import Remedy
-from exogauge.plausibility.search import Slip, find_slips
+from exogauge.plausibility.search import Slip, find_slips, gravity_left_out
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.plausibility.unlike import Unlike
-from exogauge.plausibility.zeros import Zero, find_zeros
+from exogauge.plausibility.zeros import Zero, find_zeros, moved_zeros
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
 OTHER_CLOCK = "effort_clock"
 WRENCH_CLOCK = "wrench_clock"
+MOVED_ZERO = "zero_moved"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
     "position_reversed": (
@@ -96,6 +97,8 @@ def examine_against_robot(
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, unlike, expected = find_slips(robot, seen)
+    if not slips and (bare := gravity_left_out(robot, expected)):
+        slips, unlike = [bare], []
     for finding in not_judged(robot, expected):
         for log in logs:
             yield log.name, finding
@@ -110,6 +113,10 @@ def examine_against_robot(
             finding = as_finding(robot, slip, of_one=len(slip.logs) == 1 < len(seen))
             told.add((name, finding.channel))
             yield name, finding
+    moved = list(moved_zeros(robot, expected)) if not slips and not delays and not dead else []
+    unlike = [each for each in unlike if not {*each.logs} <= {name for name, _ in moved}]
+    for name, zero in moved:
+        yield name, as_moved(robot, zero)
     by_channel = [(each.seen.log, finding) for each in expected for finding in channel_rules(robot, each)]
     elsewhere = {finding.channel for _, finding in by_channel}
     for odd in unlike:
@@ -121,7 +128,7 @@ def examine_against_robot(
     for delay in delays:
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
-    if expected and not slips and not delays and not unlike and not dead:
+    if expected and not slips and not delays and not unlike and not dead and not moved:
         for zero in find_zeros(robot, expected):
             for log in logs:
                 yield log.name, as_zero(robot, zero)
@@ -283,6 +290,17 @@ def as_zero(robot: Robot, zero: Zero) -> Finding:
     return Finding("warning", f"q.{joints[zero.joint].name}", "position_offset", detail, advice, value=-zero.angle)
 
 
+def as_moved(robot: Robot, zero: Zero) -> Finding:
+    """In one log alone."""
+    axis = robot.joints[zero.axis]
+    detail = (
+        f"has another zero than in the other logs: {np.degrees(zero.angle):+.0f}° added, {DRIVE[axis.actuation]}."
+        f"{axis.name} leaves {100 * zero.after:.1f} % unexplained, as it is {100 * zero.before:.1f} %"
+    )
+    advice = "was its encoder set anew, or lost it counts? State the `offset` in a mapping of this log"
+    return Finding("warning", f"q.{robot.joints[zero.joint].name}", MOVED_ZERO, detail, advice, value=-zero.angle)
+
+
 def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
     """of_one: in a single log among several, which a slip of a mapping is not."""
     remedy = slip.remedy
@@ -311,11 +329,17 @@ def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
 
 
 def _as_gravity(robot: Robot, slip: Slip, up: tuple[float, ...]) -> Finding:
+    left = f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
+    if not any(up):
+        detail = f"bear no weight: they fit motion and friction alone ({left})"
+        advice = (
+            "does the controller tell them without its own gravity compensation? Log the whole torque, or add what it "
+            "compensates"
+        )
+        kind = next(DRIVE[joint.actuation] for joint in robot.joints if joint.actuation != "none")
+        return Finding("error", f"{kind}.*", slip.remedy.rule, detail, advice)
     down = ", ".join(f"{0.0 - each:.2g}" for each in up)
-    detail = (
-        f"efforts fit a base on which gravity pulls along [{down}] of its own axes, not [0, 0, -1] (left unexplained "
-        f"are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so)"
-    )
+    detail = f"efforts fit a base on which gravity pulls along [{down}] of its own axes, not [0, 0, -1] ({left})"
     advice = (
         "does the robot hang on a wall or below a ceiling, or stand aslant? Turn it in the URDF: a fixed joint between "
         "a first link, upright, and its base"

@@ -119,6 +119,12 @@ def other_gravity(robot: Robot) -> list[Remedy]:
     ]
 
 
+def without_gravity(robot: Robot) -> Remedy:
+    """Efforts that a controller told without its own gravity compensation."""
+    joints = tuple(range(len(robot.joints)))
+    return Remedy("gravity_left_out", "position", joints, _upward(np.zeros(3)), 3.0, up=(0.0, 0.0, 0.0))
+
+
 def _upward(up: Array) -> Callable[[Snapshot], Snapshot]:
     return lambda seen: replace(seen, acc=np.linalg.norm(seen.acc, axis=1)[:, None] * up)
 

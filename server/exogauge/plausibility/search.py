@@ -23,6 +23,7 @@ from exogauge.plausibility.remedies import (
     reversals,
     scaled_effort,
     shifted,
+    without_gravity,
     zeros_in_eighths,
 )
 from exogauge.plausibility.screening import Screen
@@ -84,6 +85,18 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     unlike = [*unlike_axes(mended, touched)] if sought else []
     odd = {(log,) for each in unlike for log in each.logs} if len(seen) > 1 else set()  # wrong otherwise as well
     return [replace(each, settled=each.settled and each.logs not in odd) for each in said], unlike, as_read
+
+
+def gravity_left_out(robot: Robot, expected: Sequence[Expected]) -> Slip | None:
+    """Bodies that are off by what is stated may hide that efforts bear no weight: so it is asked for where nothing
+    else is wrong, too."""
+    if robot.tree.floating or not expected:
+        return None
+    state, remedy = _State(robot, expected), without_gravity(robot)
+    evidence = state.gain(remedy)
+    if evidence < state.criteria.decisive or not state.mends(remedy):
+        return None
+    return Slip(remedy, evidence, *state.worst_of(remedy), logs=tuple(each.seen.log for each in expected))
 
 
 def _mended(seen: Snapshot, slips: Sequence[Slip]) -> Snapshot:
@@ -149,9 +162,12 @@ class _State:
         if not tried:
             return None
         remedy, evidence = tried[0]
+        return Slip(self.sharpened(remedy), evidence, *self.worst_of(remedy), self.as_good(remedy, tried))
+
+    def worst_of(self, remedy: Remedy) -> tuple[float, float]:
+        """What is left at the worst of its joints, as it is and with the remedy."""
         axis = max(remedy.joints, key=lambda each: pooled(self.expected, each).misfit)
-        left = pooled(self.expected, axis).misfit, pooled(self.undone(remedy), axis).misfit
-        return Slip(self.sharpened(remedy), evidence, *left, self.as_good(remedy, tried))
+        return pooled(self.expected, axis).misfit, pooled(self.undone(remedy), axis).misfit
 
     def sharpened(self, remedy: Remedy) -> Remedy:
         """Of a zero that was tried in wide steps, the angle itself."""
@@ -254,7 +270,8 @@ class _State:
         A factor is in all logs, as a unit is: of a single one among several none is tried.
         """
         found = [remedy for joint in doubted for remedy in reversals(joint)]
-        found += other_gravity(self.robot) if self._every else []
+        if self._every and not self.robot.tree.floating:
+            found += [*other_gravity(self.robot), without_gravity(self.robot)]
         found += [exchanged([one], [other])[0] for one, other in combinations(doubted, 2)]
         found += [exchanged(*limbs)[0] for limbs in self._limbs]
         for joint in doubted:

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.examining import Comparing
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.sites import encoders
 from exogauge.plausibility.axis_fit import Likelihood
@@ -58,6 +59,31 @@ def find_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Zero]:
         yield replace(best, rivals=tuple((each.joint, each.angle) for each in close))
         told |= {best.joint, *(each.joint for each in close)}
         expected = [Expected(robot, shifted(best.joint, best.angle)(each.seen)) for each in expected]
+
+
+def moved_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[tuple[str, Zero]]:
+    """(log, zero) of encoders whose zero is another in one log than in all others: set anew where power came on, counts
+    that were lost. What a description lacks would ask for the same zero in each; with its own a log is as described."""
+    criteria = expected[0].seen.criteria if expected else Comparing()
+    for one in expected if len(expected) > 1 else ():
+        found = [_zero(robot, [one], j) for j in _likely(robot, [one])[: criteria.most_doubted]]
+        best = max(found, key=lambda each: each.gain, default=None)
+        if best is None or best.gain < criteria.zero or best.after > criteria.zero_falls * best.before:
+            continue
+        _, left = _with(robot, one, best)
+        if left < criteria.misfit and all(
+            _with(robot, other, best)[0] < -criteria.undecided for other in expected if other is not one
+        ):
+            yield one.seen.log, best
+
+
+def _with(robot: Robot, expected: Expected, zero: Zero) -> tuple[float, float]:
+    """What a log gains by a zero, in log likelihood; and the largest share of an effort that is left with it."""
+    axes = [a for a in related(robot)[zero.joint] if expected.tells(a)]
+    then = Expected(robot, shifted(zero.joint, zero.angle)(expected.seen), expected.moving)
+    was, now = ([each.likelihood(a, near=True) for a in axes] for each in (expected, then))
+    gain = sum(each.described for each in now) - sum(each.described for each in was)
+    return gain, max((each.misfit for each in now), default=1.0)
 
 
 def _likely(robot: Robot, expected: Sequence[Expected]) -> list[int]:

@@ -1,4 +1,4 @@
-"""Supporting torque of a worn device: with minus without it on the same motion (A), model minus measurement (B).
+"""Supporting torque of a worn device: without minus with it on the same motion (A), model minus measurement (B).
 
 - `settings`, `motions`, `same_motion`, `notes`: which log is compared with which
 - `difference`, `paired`, `balance`, `at_rest`: the estimates, and what they are worth where a joint stands still

@@ -103,6 +103,7 @@ def test_every_objection_is_a_sentence_with_its_own_numbers() -> None:
     of = {
         Why.WORSE: ("low_speed",), Why.NOT_FALLING: ("tau.elbow", "swing"), Why.SMALL_BESIDE: ("stribeck",),
         Why.BETTERED: ("payload", "stribeck"), Why.NOT_NEEDED: ("base_tilt",),
+        Why.PARTIAL: ("tau.elbow",), Why.OTHER_LAW: ("support.elbow",), Why.AT_ITS_EDGE: ("base.fz",),
     }  # fmt: skip
     said = [objection_words(Objection(why, 1.25, 4.5, "N·m", of.get(why, ()), sizes)) for why in Why]
     assert len(set(said)) == len(Why)
@@ -111,6 +112,7 @@ def test_every_objection_is_a_sentence_with_its_own_numbers() -> None:
         assert IDENTIFIER.search(text) is None, text
     assert "error in swing of elbow does not fall (1.25 to 4.5\u00a0N·m)" in " ".join(said)
     assert "with a payload and Stribeck friction in the model, another one explains more" in said
+    assert [text.partition(" it ")[0] for text in said if "follows another law" in text] == ["at elbow (support)"]
 
 
 def test_a_step_of_the_chain_is_told_in_words_whether_it_is_an_effect_or_its_own_curve() -> None:

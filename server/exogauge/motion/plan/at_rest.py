@@ -7,8 +7,8 @@ from typing import Any, final
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from exogauge.criteria.motion_plan import HALF_FOOT_M, MotionPlan
 from exogauge.motion.plan.rows import sole_rows
@@ -109,7 +109,7 @@ def _least(robot: MotionRobot, criteria: MotionPlan) -> tuple[float, int | None,
         feet = np.concatenate([feet, np.pad(part, ((0, 0), (6 * f, 6 * (F - 1 - f))))])
     rows = np.concatenate([turn, -turn, feet])
     used = tau[base:] / bound
-    found: Any = linprog(
+    found: Any = scipy.optimize.linprog(
         np.append(np.zeros(6 * F), 1.0), np.column_stack([rows, -np.ones(len(rows))]),
         np.concatenate([1.0 - used, 1.0 + used, np.zeros(len(feet))]),
         np.column_stack([J[:, :base].T, np.zeros(base)]), tau[:base] / robot.weight,

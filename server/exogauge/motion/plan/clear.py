@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from exogauge.criteria.motion_plan import MotionPlan
 from exogauge.motion.plan.asked import Asked, on_its_feet
@@ -59,5 +59,5 @@ def _towards(pairs: Pairs, q: Array, limbs: NDArray[np.intp], wanted: Array, cri
     E = np.vstack([J.T, least])
     f = np.zeros(len(E))
     f[-1] = 1.0
-    left = E @ nnls(E, f)[0] - f
+    left = E @ scipy.optimize.nnls(E, f)[0] - f
     return np.asarray(wanted - left[:-1] / left[-1]) if abs(left[-1]) > 1e-9 else np.zeros_like(wanted)

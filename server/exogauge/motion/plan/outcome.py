@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.logs.findings import runs
@@ -94,8 +94,8 @@ def _binds(robot: MotionRobot, planned: Planned, judged: Judged, off: NDArray[np
 def slow(angles: NDArray[np.float64], step: float, smooth_hz: float) -> NDArray[np.float64]:
     """(N, K) without what is faster: 1 / (1 + (f / smooth_hz)⁴) of it is left, as the plan's own cost leaves of what is
     asked."""
-    low_pass = butter(2, 2.0 * step * smooth_hz, output="sos")
-    return np.asarray(sosfiltfilt(low_pass, angles, axis=0))
+    low_pass = scipy.signal.butter(2, 2.0 * step * smooth_hz, output="sos")
+    return np.asarray(scipy.signal.sosfiltfilt(low_pass, angles, axis=0))
 
 
 def margins(robot: MotionRobot, judged: Judged) -> Told:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares, minimize_scalar
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.payload.missing.effect import Effect, Frame
@@ -135,14 +135,14 @@ def with_best_shape(
         def along(u: float) -> float:
             return cost(at(np.array([u])))
 
-        only = minimize_scalar(along, bounds=ends, method="bounded",
+        only = scipy.optimize.minimize_scalar(along, bounds=ends, method="bounded",
                                options={"maxiter": trials, "xatol": 1e-2 * near})  # fmt: skip
         return Named(effect, at(np.array([only.x])))
 
     def left(u: Array) -> Array:
         return left_with(problem, named, fitted, effect, at(u))
 
-    several = least_squares(
+    several = scipy.optimize.least_squares(
         left, np.clip(start, 1e-3, 1.0 - 1e-3),
         bounds=(0.0, 1.0), max_nfev=trials, xtol=1e-4, ftol=1e-5,
     )  # fmt: skip

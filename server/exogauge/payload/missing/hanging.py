@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from exogauge.criteria.judging import CARRYING as USUAL
 from exogauge.criteria.judging import Carrying
@@ -92,4 +92,4 @@ def _filtered(values: Array, stretch: Stretch, shape: Sequence[float], over: tup
     a = np.array([1.0, 2.0 * (w**2 - k**2) / scale, (k**2 - 2 * z * w * k + w**2) / scale])
     d = np.array([b * k + c, 2.0 * c, c - b * k]) / scale
     rest = np.array([d[1] - a[1] + d[2] - a[2], d[2] - a[2]])  # it passes what is constant
-    return np.asarray(lfilter(d, a, values, axis=0, zi=rest[:, None] * values[0])[0])
+    return np.asarray(scipy.signal.lfilter(d, a, values, axis=0, zi=rest[:, None] * values[0])[0])

@@ -22,7 +22,8 @@ from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
-from exogauge.plausibility.examine import OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
+from exogauge.logs.shared_samples import shared_samples
+from exogauge.plausibility.examine import MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -57,7 +58,9 @@ def examine_logs(
         trusted = []
     fitted = {each.log.name for each in recordings if not each.held_out}
     against = examine_against_robot(robot, trusted, criteria.comparison, fitted)
-    return [_entry(log, finding) for log, finding in (*against, *alone)]
+    held_out = [*(each.held_out for each in recordings), *(True for _ in worn)]
+    shared = shared_samples(logs, held_out, criteria.doctor)
+    return [_entry(log, finding) for log, finding in (*shared, *against, *alone)]
 
 
 @final
@@ -138,7 +141,7 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
-SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, "position_dead"}  # beside what is an error
+SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, MOVED_ZERO, "position_dead"}  # beside what is an error
 WORSE = 1.1  # times the error of the maker's numbers
 NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
 

@@ -38,11 +38,11 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.NOISE_ALONE: "what it takes off the error is to {percent:.0f}{space}% noise of the sensors, which it smooths",
     Why.AT_FLOOR: "the error is no more than the noise floor without it",
     Why.ONCE: "it happens once, so nothing can be held out, and the evidence is not overwhelming",
-    Why.PARTIAL: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
+    Why.PARTIAL: "{at}it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
     "something else is the cause",
-    Why.OTHER_LAW: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: what "
-    "is there follows another law",
-    Why.AT_ITS_EDGE: "its size would be at the edge of what can be, and leave {value:.2g} noise floors: something "
+    Why.OTHER_LAW: "{at}it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
+    "what is there follows another law",
+    Why.AT_ITS_EDGE: "its size would be at the edge of what can be, and {at}leave {value:.2g} noise floors: something "
     "else is the cause",
     Why.DECLARED: "declared uncertainties of the measurement leave as much there, and explain all of it",
     Why.BETTERED: "with {effects} in the model, another one explains more",
@@ -53,6 +53,7 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.ONE_FACTOR: "one factor on every motor's gain makes the data as likely",
     Why.ONE_BODY: "a heavier link and a load fixed to it are the same",
 }
+SOMEWHERE = (Why.PARTIAL, Why.OTHER_LAW, Why.AT_ITS_EDGE)  # what they say holds for one channel
 REGIMES = {
     "low_speed": "at low speed",
     "high_speed": "at high speed",
@@ -93,6 +94,7 @@ def objection_words(found: Objection) -> str:
         space=NO_BREAK,
         unit=found.unit,
         regime=REGIMES[found.of[0]] if found.why is Why.WORSE else "",
+        at=f"at {channel(found.of[0])} " if found.why in SOMEWHERE else "",
         error=f"{f'error in {log[0]}' if log else 'held-out error'} of {channel(on)}" if on else "",
         effects=listed([effect_words(each) for each in found.of]) or "what was named before",
         sizes=", ".join(f"{name} {plus_minus(each.value, each.std)}" for name, each in found.sizes.items()),

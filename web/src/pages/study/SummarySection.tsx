@@ -14,7 +14,10 @@ import { POOLED, STEPS } from "./words";
 export function SummarySection({ study, results }: { study?: Study; results: Results }) {
   const { identification, support, stiffness, discrepancy } = results;
   const main = support.filter((each) => each.main);
-  const bands = stiffness.filter((each) => each.headline);
+  const devices = [...new Set(support.map((each) => each.device))];
+  const bands = stiffness
+    .filter((each) => each.headline)
+    .sort((one, other) => devices.indexOf(one.device) - devices.indexOf(other.device) || one.group.localeCompare(other.group));
   const groups = [...new Map(bands.map((each) => [`${each.device}, bands ${each.group}`, each])).entries()];
   const wrong = (results.notices ?? []).filter((each) => each.code === "doctor_errors");
   const skipped = results.steps.filter((each) => each.status === "skipped");
