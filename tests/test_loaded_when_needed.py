@@ -73,3 +73,9 @@ def test_a_service_loads_no_numerics() -> None:
 def test_a_payload_is_opened_and_followed_without_what_makes_reports() -> None:
     (loaded,) = loaded_after(PAYLOAD)
     assert not loaded & {*SHELL, *PAGES, "scipy.signal", "scipy.stats", "h5py", "rosbags"}
+
+
+@pytest.mark.slow
+def test_words_and_urdfs_load_no_numerics_but_arrays_and_bodies() -> None:
+    (loaded,) = loaded_after("import exogauge.studies.words.names, exogauge.robots.urdf")
+    assert not loaded & {*SHELL, *PAGES, "scipy.linalg", "numba", "pyarrow"}

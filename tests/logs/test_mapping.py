@@ -81,6 +81,8 @@ def refused(*arguments: object, **options: object) -> tuple[Fault, ...]:
         ("acc.x", "m/s²", 1.0),
         ("ft.foot.fx", "kN", 1e3),
         ("ft.foot.mx", "Nmm", 1e-3),
+        ("ft.foot.fz", "lbf", 4.4482216152605),
+        ("ft.foot.my", "lbf-in", 0.1129848290276167),
         ("temp.a", "K", 1.0 - 273.15),
     ],
 )

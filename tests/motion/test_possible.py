@@ -71,6 +71,8 @@ def test_what_would_do_is_looked_for_in_the_very_plans_that_are_asked_for_then(r
         then, _ = ask(robot, changed(person, told), criteria_of(told))
         assert (asked.q == then.q).all()
         assert asked.step == then.step
+        moves = asked.time[-1] - 2.0 * round(criteria.approach_s / asked.step) * asked.step
+        assert 0.0 <= moves - told.slow < asked.step  # to its end, held until the next node
         rows = asked.step * told.rate_hz  # as many nodes as at least so many a second, each on a row
         assert rows == pytest.approx(np.floor(told.slow / USUAL.nodes_per_s * told.rate_hz))
 

@@ -159,7 +159,7 @@ def test_markers_become_a_motion_that_the_sample_can_do_as_mujoco_sees_it(captur
     person = person_of_fit(fit_human(motion), motion.contacts).cut(begin, end)
     robot = load_motion_robot(sample_folder(tmp_path / "robot"))
     asked, _ = ask(robot, person, SOON)
-    planned, judged = plan_within(robot, asked)
+    planned, judged, _ = plan_within(robot, asked)
     assert judged.broken == ()
     upper = np.array(robot.beyond("thorax") + robot.torso)
     seen = ByMuJoCo(robot, planned.spline, 1000.0)

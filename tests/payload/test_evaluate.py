@@ -446,7 +446,7 @@ BAD: dict[str, tuple[Change, str]] = {
     "unknown frame": (key("sensor", "frame", value="wrist"), "frame"),
     "unknown column": (key("sensor", "wrench", value=["Fx", "fy", "fz", "mx", "my", "mz"]), "column"),
     "unknown key": (key("sensor", "nois", value=3), "nois"),
-    "unit": (key("sensor", "force_unit", value="lbf"), "kgf"),
+    "unit": (key("sensor", "force_unit", value="dyn"), r"payload\.yaml, column 'sensor\.force_unit'.*kgf"),
     "missing value": (broken("postures", put("fz", 40, np.nan)), "row 41"),
     "infinite": (broken("excitation", put("q.a4", 7, np.inf)), "row 8"),
     "time twice": (broken("excitation", put("t", 100, 99 / 250)), "row 101"),
@@ -579,9 +579,11 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
 
     def push(columns: dict[str, Array]) -> None:
         columns["fx"][1000:1100] += 30.0
+        columns["fy"][:60] += 30.0
 
     rewritten(folder / "logs/excitation.parquet", push)
     evaluation = evaluate(open_payload(folder))
+    assert not any("-0." in each for each in evaluation.warnings), "before the log begins"
     assert any("touched" in each and "4.0" in each for each in evaluation.warnings) or any(
         "touched" in each and "3.8" in each for each in evaluation.warnings
     )

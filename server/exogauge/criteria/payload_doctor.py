@@ -38,6 +38,12 @@ class Complaining:
     fewest_samples: int = criterion(
         20, "samples", "of a log: fewer hold no motion that a filter settles in", judgement(RULES)
     )
+    rates_hz: tuple[float, float] = criterion(
+        (5.0, 20_000.0),
+        "Hz",
+        "of a log, that a wrist sensor may have: they give 50 Hz to 7 kHz; time in another unit is beyond",
+        judgement(RULES),
+    )
     most_turn_rad: float = criterion(
         8.0, "rad", "of an angle: more than any joint turns; 460 in degrees is more", judgement(RULES)
     )

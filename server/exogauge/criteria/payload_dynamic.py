@@ -74,7 +74,8 @@ class Moving:
     noisier: float = criterion(
         1.5,
         "times the stated noise",
-        "that a joint shows while it moves, from which on what it shows is taken: less is within a statement's doubt",
+        "that a joint shows while it moves, or a channel of the wrench, from which on what it shows is taken: less is "
+        "within a statement's doubt",
         judgement(RULES),
     )
     settled_rows: float = criterion(

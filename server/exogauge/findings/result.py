@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from exogauge.devices.result import Estimate
 from exogauge.findings.basis import Basis
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.verdict import Caveat, Decision, Facts, Objection, Seen, Verdict, decide
-from exogauge.support.band_fit import NamedBands
+
+if TYPE_CHECKING:  # the fit of bands is half of what loading this would load
+    from exogauge.support.band_fit import NamedBands
 
 Array = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ from typing import final
 from exogauge.logs.channels import Channel
 
 STANDARD_GRAVITY = 9.80665
+POUND_FORCE = 0.45359237 * STANDARD_GRAVITY
 _DEG = math.pi / 180.0
 
 
@@ -40,8 +41,10 @@ _TABLE: Mapping[str, Mapping[str, float]] = {
         "kNm": 1e3,
         "kgfcm": 1e-2 * STANDARD_GRAVITY,
         "kgfm": STANDARD_GRAVITY,
+        "lbfin": 0.0254 * POUND_FORCE,
+        "lbfft": 0.3048 * POUND_FORCE,
     },
-    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "kgf": STANDARD_GRAVITY},
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "kgf": STANDARD_GRAVITY, "lbf": POUND_FORCE},
     "ratio": {"1": 1.0},
 }
 UNITS: Mapping[str, Unit] = {
@@ -63,11 +66,11 @@ _DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 
 
 def find_unit(name: str) -> Unit | None:
-    """The unit of that name; `N·m`, `N.m`, `N*m` are `Nm`, `µ` is `u`, `°` is `deg`, `²` is `^2`."""
+    """The unit of that name; `N·m`, `N.m`, `N*m`, `N-m` are `Nm`, `µ` is `u`, `°` is `deg`, `²` is `^2`."""
     plain = name.strip()
     for sign, letters in (("µ", "u"), ("μ", "u"), ("°C", "degC"), ("°", "deg"), ("²", "^2"), ("s2", "s^2")):
         plain = plain.replace(sign, letters)
-    for sign in ("·", ".", "*", " ", "⋅"):
+    for sign in ("·", ".", "*", " ", "⋅", "-"):
         plain = plain.replace(sign, "")
     return UNITS.get(plain)
 

@@ -7,7 +7,6 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.fit.body import TRUNK
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.human import HumanMotion
@@ -56,10 +55,9 @@ def of_retargeted(found: Retargeted) -> pa.Table:
     """The trunk as the person turns it (`human.`), as it is asked and given (`trunk.`); then `of_judged`."""
     judged, robot, asked = found.judged, found.robot, found.asked
     columns = Columns(judged.time)
-    lead = lead_of(found)
     turns = trunk_angles(found.person)
     for k, name in enumerate(TRUNK):
-        shown = np.interp(judged.time - lead, found.person.time, turns[:, k], left=np.nan, right=np.nan)
+        shown = np.interp(judged.time - found.lead, found.person.time, turns[:, k], left=np.nan, right=np.nan)
         columns.add(f"human.{name}", shown, RADIANS)
     for j in robot.torso:
         joint, column = robot.joints[j], robot.base + j
@@ -119,8 +117,3 @@ def bound_shares(robot: MotionRobot, judged: Judged, acceleration: Array) -> dic
 def trunk_angles(person: Person) -> Array:
     """(T, 3) [rad] flexion ahead, bend to the right, rotation to the left of the thorax in the pelvis."""
     return np.unwrap(Rotation.from_matrix(person.trunk).as_euler("YXZ"), axis=0)
-
-
-def lead_of(found: Retargeted) -> float:
-    """[s] that lead from home to where the person's motion begins."""
-    return round(USUAL.approach_s / found.asked.step) * found.asked.step

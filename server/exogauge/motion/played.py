@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.motion_plan import USUAL
-from exogauge.motion.channels import bound_shares, lead_of
+from exogauge.motion.channels import bound_shares
 from exogauge.motion.contract import RetargetEntry
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.retargeting import Retargeted, with_margin
@@ -76,7 +76,7 @@ def of_retargeted(found: Retargeted, wanted: RetargetEntry) -> Played:
     judged = found.judged
     played = of_judged(found.robot, judged, found.planned.spline.at(judged.time)[2])
     heading = float(Rotation.from_matrix(found.person.turn[0]).as_euler("ZXY")[0])
-    moment = moments(played.time - lead_of(found), found.person.time[-1], wanted)
+    moment = moments(played.time - found.lead, found.person.time[-1], wanted)
     person = np.array([-heading if wanted.mirror else heading, float(wanted.mirror)])
     inner = np.array([with_margin(wanted.margin_m).inside_m])
     ghost = {}

@@ -28,12 +28,14 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Retargeted:
-    """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
-    where nobody asked, nothing is broken, or another home is what would do. alone: each frame by itself, None where
-    nothing was planned."""
+    """person: as asked for. lead: [s] from home to where its motion begins. missed: (N,) [rad] of the trunk's turn that
+    no joints express. could: what would do, None where nobody asked, nothing is broken, or another home is what would
+    do. alone: each frame by itself, None where nothing was planned.
+    """
 
     robot: MotionRobot
     person: Person
+    lead: float
     asked: Asked
     missed: Array
     planned: Planned
@@ -84,12 +86,12 @@ def retargeted(
 ) -> Retargeted:
     """person: as captured. Raises BadMotion, BadRobot."""
     own, criteria = changed(person, wanted), criteria_of(wanted)
-    asked, missed = ask(robot, own, criteria)
-    planned, judged = plan_within(robot, asked, criteria, report, wanted.rate_hz)
-    if planned.spline.step < asked.step and (finer := asked.finer(wanted.rate_hz)) is not None:  # planned anew so
-        asked, missed = finer, np.interp(finer.time, asked.time, missed)
+    first, missed = ask(robot, own, criteria)
+    planned, judged, asked = plan_within(robot, first, criteria, report, wanted.rate_hz)
+    missed = np.interp(asked.time, first.time, missed)
+    lead = round(criteria.approach_s / first.step) * first.step
     could = None
     if judged.broken and wanted.what_would_do:
         could = what_would_do(robot, criteria, again(robot, person, wanted), wanted.rate_hz, tried)
     alone = frame_by_frame(robot, asked, criteria, wanted.rate_hz) if planned.rounds else None
-    return Retargeted(robot, own, asked, missed, planned, judged, could, alone)
+    return Retargeted(robot, own, lead, asked, missed, planned, judged, could, alone)

@@ -16,7 +16,7 @@ from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import find_axes
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.limits import axes, saturated, saturation
-from exogauge.payload.prepare import holds_of, moving, std_of
+from exogauge.payload.prepare import holds_of, moving, stated_of, std_of
 from exogauge.payload.statics import static_stage, told_sign
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def quantised(payload: Payload, recording: Recording, criteria: Criteria = USUAL
 
 def noise_in_holds(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
     spans = _spans(payload, recording, criteria)
-    for name, values, std in axes(payload, recording, std_of(payload)) if spans else ():
+    for name, values, std in axes(payload, recording, stated_of(payload)) if spans else ():
         time = recording.wrench.time
         within = [np.diff(values[(time >= a) & (time <= b)]).std() / np.sqrt(2.0) for a, b in spans]
         ratio = float(np.median(within)) / std

@@ -167,6 +167,7 @@ def dynamic_stage(
     H = found.information + prior_information(prior)
     scores = _scores(rows, found, left, method)
     meat = _coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
+    meat = _no_less(meat, _white(rows, left))
     inverse = np.linalg.inv(H)
     across = rows.across_tilting()
     covariance, lean = inverse @ (meat + of_prior(across, x, prior)) @ inverse, prior.lean.copy()
@@ -276,6 +277,27 @@ def _coloured(scores: Array, left: Array, memories: float) -> Array:
         cross = scores[k:].T @ scores[:-k]
         out += (1.0 - k / (lags + 1.0)) * (cross + cross.T)
     return np.asarray(out)
+
+
+def _white(rows: Rows, left: Array) -> Array:
+    """(16, 16) as `_coloured`, of the white noise alone that the wrench shows from sample to sample: third differences
+    of the residuals, which motion and what is smoothed hardly reach."""
+    shown = np.diff(left, 3, axis=0).std(axis=0) / np.sqrt(20.0) if len(left) > 3 else np.zeros(6)
+    A = (rows.z[:, :, :-1] * shown[:, None]).reshape(-1, rows.size)
+    return np.asarray(A.T @ A)
+
+
+def _no_less(spread: Array, least: Array) -> Array:
+    """What is at least either of two (n, n) covariances in every direction: a sum over lags falls short by chance where
+    a log is a few memories long."""
+    scale = np.sqrt(np.maximum(np.diag(spread) + np.diag(least), 1e-300))
+    whole = (spread + least) / np.outer(scale, scale)
+    value, vectors = np.linalg.eigh(whole)
+    root = vectors * np.sqrt(np.maximum(value, 1e-12 * value[-1]))
+    inner = np.linalg.solve(root, np.linalg.solve(root, (spread / np.outer(scale, scale))).T)
+    share, turn = np.linalg.eigh(0.5 * (inner + inner.T))
+    larger = scale[:, None] * root @ turn
+    return np.asarray(larger * np.maximum(share, 1.0 - share) @ larger.T)
 
 
 def _mu_std(left: Array, mu: float) -> float:

@@ -26,7 +26,7 @@ from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
 from exogauge.payload.missing.words import cause_of_residual
 from exogauge.payload.placed_imu import placed_imu
-from exogauge.payload.prepare import Moved, declared_of, holds_of, moving, std_of
+from exogauge.payload.prepare import Moved, declared_of, holds_of, moving, shown_over_taken, stated_of, std_of
 from exogauge.payload.remainder import Remainder, left_by_method, taken_to_be_level
 from exogauge.payload.stages import Postures, stated_sign
 from exogauge.progress import Doing, Stage, Staged, nobody
@@ -92,8 +92,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     tests = left_by_method(stages, rigid, level, logs, told.clean)
     warnings = [*saturation(payload, criteria), *told_clocks(payload), *told_noise(logs),
                 *(postures.touched if postures else ()), *said, *of_contact, *stages.warnings,
-                *told_weight(payload, stages, criteria), *told_at_rest(logs, stages),
-                *doubts(stages, rigid, missing, criteria)]  # fmt: skip
+                *told_weight(payload, stages, criteria), *told_wrench_noise(logs, stages),
+                *doubts(payload, stages, rigid, missing, criteria)]  # fmt: skip
     return Evaluation(
         payload, logs.sign, stages, rigid, level, tests, touches, thresholds, imu, missing,
         tuple(dict.fromkeys(warnings)), criteria,
@@ -217,25 +217,27 @@ def told_clocks(payload: Payload) -> list[str]:
     ]
 
 
-def told_at_rest(logs: Logs, stages: Stages) -> list[str]:
-    """Channels that scatter otherwise in postures than is stated, where no motion tells a μ. A wrench in another unit
-    than is said scatters so."""
-    excitation, holds, file = stages.excitation, logs.holds, logs.payload.file
-    if holds is None or holds.noise is None or (excitation is not None and excitation.noise_known):
-        return []
+def told_wrench_noise(logs: Logs, stages: Stages) -> list[str]:
+    """Channels that scatter by more than is stated; by less in postures, where no motion tells a μ. A wrench in another
+    unit than is said scatters so."""
+    excitation, holds, payload = stages.excitation, logs.holds, logs.payload
     least, most = logs.criteria.payload_doctor.noise_ratio
-    ratios = holds.noise / std_of(logs.payload)
+    stated = stated_of(payload)
+    ratios = std_of(payload) / stated
+    if holds is not None and holds.noise is not None and (excitation is None or not excitation.noise_known):
+        ratios = np.where(ratios > 1.0, ratios, holds.noise / stated)
     off = [
         f"{name} {ratio:.2g}"
-        for name, ratio in zip(file.sensor.wrench, ratios, strict=True)
+        for name, ratio in zip(payload.file.sensor.wrench, ratios, strict=True)
         if not least <= ratio <= most
     ]
     if not off:
         return []
+    taken = "What is more than stated is taken as found. " if ratios.max() > most else ""
     return [
-        f"At rest channels scatter by other multiples of the stated noise than 1: {', '.join(off)}. Filtered, or "
-        "`sensor.noise` is wrong, or `sensor.force_unit` or `sensor.moment_unit`: kgf and N differ by 9.81, Nm and "
-        "Nmm by a thousand, and without motion nothing else tells them apart."
+        f"Channels scatter by other multiples of the stated noise than 1: {', '.join(off)}. {taken}`sensor.noise` is "
+        "wrong, or `sensor.force_unit` or `sensor.moment_unit` (kgf and N differ by 9.81, Nm and Nmm by a thousand); a "
+        "channel that is filtered scatters less."
     ]
 
 
@@ -252,14 +254,25 @@ def told_noise(logs: Logs) -> list[str]:
     ]
 
 
-def doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Criteria) -> list[str]:
+def doubts(payload: Payload, stages: Stages, rigid: Stages | None, missing: Missing, criteria: Criteria) -> list[str]:
     """What the motion's residual says, and where something touched."""
     excitation, out = stages.excitation, list[str]()
     if excitation is None:
-        return said_at_rest(missing)
+        assert stages.postures is not None
+        return said_at_rest(missing, stages.postures.chosen.inclined)
+    if excitation.other is not None and missing.decision.verdict == "unexplained":
+        assert stages.postures is not None
+        (mass, std), before = excitation.other, stages.postures.chosen.mass
+        out.append(
+            f"Postures say {before:.4g} kg, and another body of {mass:.4g} ± {std:.1g} kg alone explains "
+            "the excitation. Was the payload changed, or did it shift in its grip, in between? Hand in what belongs "
+            "together."
+        )
     if excitation.noise_known:
-        mu, mu_std, cause = excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing)
-        reading = reading_of_mu(mu, mu_std, cause, criteria.payload_dynamic)
+        mu, mu_std = excitation.chosen.mu, excitation.chosen.mu_std
+        beyond, moving_criteria = mu - shown_over_taken(payload, "excitation"), criteria.payload_dynamic
+        noisier = beyond < max(moving_criteria.mu_stds * mu_std, moving_criteria.mu_floor)
+        reading = reading_of_mu(mu, mu_std, cause_of_residual(missing, noisier), moving_criteria)
         out += [reading] if reading else []
     if missing.late is not None:
         late, std = (1e3 * each for each in missing.late)
@@ -272,7 +285,7 @@ def doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Cri
         lean, std = (float(np.degrees(each)) for each in missing.leans)
         out.append(
             f"The base seems to lean by {lean:.2g} ± {std:.1g}°: too little, or not surely enough, to be named; the "
-            "doubt of all numbers holds it. A few postures would tell."
+            "doubt of all numbers holds it. More postures would tell."
         )
     if excitation.left_out and (rigid is not None or not missing.found):
         spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])

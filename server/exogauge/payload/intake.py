@@ -21,7 +21,7 @@ from exogauge.logs.open_table import open_table
 from exogauge.logs.reading import refuse, time_faults, value_faults
 from exogauge.logs.tables import Table, as_vector, read_names
 from exogauge.logs.units import find_unit, units_of
-from exogauge.payload.contract import LogEntry, PayloadFile, Role, WrenchNoise
+from exogauge.payload.contract import LogEntry, PayloadFile, Role, TimeEntry, WrenchNoise
 from exogauge.payload.log_names import log_names
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -50,8 +50,8 @@ class Stream:
 @final
 @dataclass(frozen=True)
 class Steps:
-    """size: (6,) [N, N·m] of the converter's steps, 0 where none are seen. noise: (6,) of a sample that moves, with
-    rounding, where steps are coarser than the stated noise and motion shows it; else 0."""
+    """size: (6,) [N, N·m] of the converter's steps, 0 where none are seen. noise: (6,) that a sample shows, with
+    rounding; 0 where steps are coarser than the stated noise and nothing moves, and of rows."""
 
     size: Array
     noise: Array
@@ -60,15 +60,18 @@ class Steps:
 NO_STEPS = Steps(np.zeros(6), np.zeros(6))
 
 
-def steps_of(wrench: Stream, stated: WrenchNoise, *, still: bool, criteria: Carrying = CARRYING) -> Steps:
-    """still: whether nothing moves, so that rounding is no noise."""
-    size = np.array([quantisation_step(each) or 0.0 for each in wrench.values.T])
-    noise, coarse = np.zeros(6), size > np.repeat([stated.force_n, stated.moment_nm], 3)
-    if coarse.any() and not still:
-        rate = 1.0 / float(np.median(np.diff(wrench.time)))
-        told = noise_of(list(wrench.values.T[coarse]), rate, criteria.above_motion * rate / 2)
-        noise[coarse] = [each.std for each in told]
-    return Steps(size, noise)
+def steps_of(
+    wrench: Stream, stated: WrenchNoise, *, still: bool, rows: bool = False, criteria: Carrying = CARRYING
+) -> Steps:
+    """still: whether nothing moves, so that rounding is no noise. rows: whether each is the mean of a posture."""
+    if rows:
+        size = np.array([quantisation_step(each) or 0.0 for each in wrench.values.T])
+        return Steps(size, np.zeros(6))
+    rate = 1.0 / float(np.median(np.diff(wrench.time)))
+    told = noise_of(list(wrench.values.T), rate, criteria.above_motion * rate / 2)
+    size = np.array([each.step or 0.0 for each in told])
+    hidden = still & (size > np.repeat([stated.force_n, stated.moment_nm], 3))
+    return Steps(size, np.where(hidden, 0.0, [each.std for each in told]))
 
 
 @final
@@ -126,6 +129,7 @@ def open_payload(path: Path, roles: Collection[Role] = ROLES, criteria: Complain
     if not path.is_file():
         raise BadStudy(Fault("there is no such file", "no_file", "Name payload.yaml or its folder.", str(path)))
     file = load_yaml(path.read_bytes(), PayloadFile, file=path.name)
+    _require_units(file, path.name)
     folder = path.parent
     named = [name for entry in file.logs for name in entry.file] + ([file.pose.urdf] if file.pose.urdf else [])
     missing = [name for name in dict.fromkeys(named) if not (folder / name).is_file()]
@@ -170,7 +174,7 @@ def _require_somewhere(file: PayloadFile, recordings: Sequence[Recording], folde
 def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, criteria: Complaining) -> Recording:
     tables = [open_table(folder / name, name) for name in entry.file]
     sensor, pose, imu = file.sensor, file.pose, file.imu
-    clocks, begun = (None, 0.0) if entry.each_row else _clocks(tables, file, criteria.fewest_samples)
+    clocks, begun = (None, 0.0) if entry.each_row else _clocks(tables, file, criteria)
 
     def stream(columns: Sequence[str], unit: str, dimension: str, late: float = 0.0) -> Stream:
         table = _holding(tables, columns)
@@ -225,7 +229,7 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, crit
         advice = "All files of a log must count time from the same instant; check `time.unit` and `span`."
         raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
     assert parts[0] is not None
-    steps = steps_of(parts[0], sensor.noise, still=entry.each_row or entry.role == "postures")
+    steps = steps_of(parts[0], sensor.noise, still=entry.role == "postures", rows=entry.each_row)
     return Recording(
         name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row, evened, steps, begun
     )
@@ -235,7 +239,7 @@ def _span(stream: Stream) -> str:
     return f"{stream.time[0]:.3f} to {stream.time[-1]:.3f} s" if len(stream.time) else "nothing"
 
 
-def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> tuple[dict[str, Array], float]:
+def _clocks(tables: Sequence[Table], file: PayloadFile, criteria: Complaining) -> tuple[dict[str, Array], float]:
     """Seconds per file, 0 at the earliest sample of all, and [s] its stamp; whole stamps are subtracted before they
     become floats."""
     column, factor = file.time.column, factor_of(file.time.unit, "time", tables[0].file)
@@ -244,14 +248,30 @@ def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> tuple[di
         if column not in read_names(table):
             raise BadStudy(_no_column(column, [table], "Name it in `time.column`, or say `each_row: true`."))
         raw[table.file] = as_vector(table.read([column], exact=(column,))[column], table.file, column)
-        if len(raw[table.file]) < fewest:
+        if len(raw[table.file]) < criteria.fewest_samples:
             detail, advice = f"the log has {counted(len(raw[table.file]), 'sample')}", "Record a few seconds at least."
             raise BadStudy(Fault(detail, "too_few_samples", advice, table.file))
         refuse(time_faults(raw[table.file], table.file, column))
+        _require_rate(raw[table.file], file.time, table.file, criteria)
     first = min(values[0] for values in raw.values())
     return {name: np.asarray(values - first, np.float64) * factor for name, values in raw.items()}, float(
         first
     ) * factor
+
+
+def _require_rate(time: Array, entry: TimeEntry, file: str, criteria: Complaining) -> None:
+    """Raises BadStudy where no sensor samples so often or so seldom as `time.unit` says."""
+    step, (least, most) = float(np.median(np.diff(time))), criteria.rates_hz
+
+    def rate(unit: str) -> float:
+        return 1.0 / (step * factor_of(unit, "time", file))
+
+    if least <= rate(entry.unit) <= most:
+        return
+    others = [f"`time.unit: {unit}`" for unit in units_of(("time",)) if least <= rate(unit) <= most]
+    detail = f"by `time.unit: {entry.unit}` there are {rate(entry.unit):.3g} samples a second"
+    advice = f"Say {' or '.join(others)}." if others else f"Record {least:g} to {most:g} a second."
+    raise BadStudy(Fault(detail, "time_unit", advice, file, 2, shorten(entry.column), f"{step:g} from row to row"))
 
 
 def _holding(tables: Sequence[Table], columns: Sequence[str]) -> Table:
@@ -272,12 +292,24 @@ def _no_column(column: str, tables: Sequence[Table], advice: str) -> Fault:
     )  # fmt: skip
 
 
-def factor_of(unit: str, dimension: str, file: str) -> float:
+def factor_of(unit: str, dimension: str, file: str, key: str | None = None) -> float:
+    """key: of payload.yaml, where the unit stands."""
     found = find_unit(unit)
     if found is None or found.dimension != dimension:
         advice = f"Known: {', '.join(units_of((dimension,)))}."
-        raise BadStudy(Fault(f"{shorten(unit)!r} is no unit of {dimension}", "unknown_unit", advice, file))
+        detail = f"{shorten(unit)!r} is no unit of {dimension}"
+        raise BadStudy(Fault(detail, "unknown_unit", advice, file, None, key, shorten(unit)))
     return found.factor
+
+
+def _require_units(file: PayloadFile, name: str) -> None:
+    sensor, pose, imu = file.sensor, file.pose, file.imu
+    stated = [(sensor.force_unit, "force", "sensor.force_unit"), (sensor.moment_unit, "torque", "sensor.moment_unit"),
+              (pose.angle_unit, "angle", "pose.angle_unit"), (pose.position_unit, "length", "pose.position_unit"),
+              (file.time.unit, "time", "time.unit"),
+              *([(imu.unit, "acceleration", "imu.unit")] if imu else [])]  # fmt: skip
+    for unit, dimension, key in stated:
+        factor_of(unit, dimension, name, key)
 
 
 def check_angles(angles: Stream, columns: Sequence[str], criteria: Complaining = USUAL) -> None:

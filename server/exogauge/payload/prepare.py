@@ -18,7 +18,7 @@ from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.resampling import to_common_clock
 from exogauge.payload.calibration import Declared
-from exogauge.payload.contract import PayloadFile, SensorUncertainty
+from exogauge.payload.contract import PayloadFile, Role, SensorUncertainty
 from exogauge.payload.dynamics import Rows, dynamic_rows
 from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import ImuFrame
@@ -43,15 +43,28 @@ class Moved:
         return replace(self, motion=self.motion.rows(which), wrench=self.wrench[which])
 
 
-def std_of(payload: Payload) -> Array:
-    """(6,) [N, N·m] of one sample: as stated, or with the rounding of steps that are coarser than that; where
-    something was recorded in motion, as far as motion shows it."""
-    noise, steps = payload.file.sensor.noise, [each.steps for each in payload.recordings]
+def stated_of(payload: Payload) -> Array:
+    """(6,) [N, N·m] of one sample: as stated, or with the rounding of steps that are coarser than that."""
+    noise = payload.file.sensor.noise
     stated = np.repeat([noise.force_n, noise.moment_nm], 3)
-    size = np.max([np.zeros(6), *(each.size for each in steps)], axis=0)
-    std = np.where(size > stated, np.hypot(stated, size / np.sqrt(12.0)), stated)
-    shown = np.max([np.zeros(6), *(each.noise for each in steps)], axis=0)
-    return np.where(shown > 0.0, np.maximum(stated, np.minimum(shown, std)), std)
+    size = np.max([np.zeros(6), *(each.steps.size for each in payload.recordings)], axis=0)
+    return np.where(size > stated, np.hypot(stated, size / np.sqrt(12.0)), stated)
+
+
+def std_of(payload: Payload, criteria: Moving = MOVING) -> Array:
+    """(6,) [N, N·m] of one sample: as `stated_of`, of steps no more than logs show, but never less than stated; as
+    shown where that is clearly more."""
+    noise, stated = payload.file.sensor.noise, stated_of(payload)
+    shown = np.max([np.zeros(6), *(each.steps.noise for each in payload.recordings)], axis=0)
+    least = np.repeat([noise.force_n, noise.moment_nm], 3)
+    seen = np.where(shown > 0.0, np.maximum(least, np.minimum(shown, stated)), stated)
+    return np.where(shown > criteria.noisier * stated, shown, seen)
+
+
+def shown_over_taken(payload: Payload, role: Role) -> float:
+    """Mean over the channels of the variance that logs of a role show of a sample's noise, over that of `std_of`."""
+    shown = np.max([np.zeros(6), *(each.steps.noise for each in payload.of(role))], axis=0)
+    return float(np.mean((shown / std_of(payload)) ** 2))
 
 
 def declared_of(file: PayloadFile, criteria: Criteria, *, contradicted: bool = False) -> Declared:

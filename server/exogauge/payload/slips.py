@@ -38,12 +38,12 @@ def moments_over_forces(rows: Rows, criteria: Carrying = USUAL) -> tuple[float, 
     return (ratio, std) if std < criteria.ratio_known * max(abs(ratio), 1.0) else None
 
 
-def by_own_noise(rows: Rows, criteria: Carrying = USUAL) -> Rows:
+def by_own_noise(rows: Rows, step: Array, criteria: Carrying = USUAL) -> Rows:
     """The same, divided by the noise that each channel shows from sample to sample: what is stated holds for the stated
-    unit. Third differences: motion hardly reaches them."""
+    unit. Third differences: motion hardly reaches them, nor does rounding to steps (6,) [N, N·m] that lasts."""
     b = rows.z[:, :, -1]
     shown = np.diff(b, 3, axis=0).std(axis=0) / np.sqrt(20.0)
-    shown = np.maximum(shown, criteria.least_noise)
+    shown = np.maximum(shown, np.maximum(criteria.least_noise, step / np.sqrt(12.0) / rows.std))
     return replace(rows, z=rows.z / shown[:, None], std=rows.std * shown)
 
 
@@ -59,9 +59,10 @@ def _part(z: Array, columns: list[int]) -> tuple[Array, Array] | None:
     return np.asarray(x / scale), np.asarray(covariance)
 
 
-def explained(rows: Rows, ratio: float, misfit: float) -> bool:
-    """Whether moments that are so many times too large leave what noise leaves, or far less than they do as they are: a
-    cable makes forces and moments disagree too, and no unit mends that. misfit: mean square that counts as far."""
+def explained(rows: Rows, ratio: float, misfit: float, above: float) -> bool:
+    """Whether moments that are so many times too large leave clearly less than they do as they are, `above` times, and
+    what noise leaves, or far less: a cable makes forces and moments disagree too, and no unit mends that. misfit: mean
+    square that counts as far."""
 
     def left(moments: float) -> float:
         A = (rows.z[:, :, :-1] * np.repeat([1.0, moments], 3)[:, None]).reshape(-1, rows.size)
@@ -69,8 +70,8 @@ def explained(rows: Rows, ratio: float, misfit: float) -> bool:
         root = np.linalg.qr(A / np.maximum(np.linalg.norm(A, axis=0), 1e-12))[0]
         return float(np.mean((b - root @ (root.T @ b)) ** 2))
 
-    divided = left(ratio)
-    return divided < misfit or divided * misfit < left(1.0)
+    divided, stated = left(ratio), left(1.0)
+    return above * divided < stated and (divided < misfit or divided * misfit < stated)
 
 
 def units_for(ratio: float, std: float, force_unit: str, moment_unit: str) -> str:

@@ -72,7 +72,8 @@ class Postures:
 @dataclass(frozen=True)
 class Excitation:
     """by_method: solutions; chosen: the one used. recursion: what the recursion ends with, (16,); mass_alone: mass and
-    its std from motion, without the postures' mass. noise_known: whether μ may be read. density: of each channel."""
+    its std from motion, without the postures' mass. noise_known: whether μ may be read. density: of each channel.
+    other: mass of another body than that of the postures, and its std, which alone explains the motion; else None."""
 
     by_method: Mapping[Method, DynamicSolution]
     chosen: DynamicSolution
@@ -81,6 +82,7 @@ class Excitation:
     noise_known: bool
     density: Array
     left_out: tuple[tuple[float, float], ...]
+    other: tuple[float, float] | None
 
 
 @contextmanager
@@ -123,8 +125,8 @@ def postures_stage(
             "world_axes": ("the postures fit wrenches in the base's axes", "Say `sensor.axes: base`."),
             "sensor_axes": ("the postures fit wrenches in the sensor's own axes", "Say `sensor.axes: sensor`."),
             "unexplained": ("no weight explains the forces of these postures", "Check that nothing touched the "
-                            "payload, that it does not shift, the order and axes of pose and wrench, and that clocks "
-                            "of several files count from the same instant."),
+                            "payload, that it does not shift, the order and axes of pose and wrench, the unit of "
+                            "angles, and that clocks of several files count from the same instant."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
     exchanged = exchanged_moments(holds, still)
@@ -218,17 +220,33 @@ def excitation_stage(
             "No body has this mass, centre and inertia, and not by chance: check `sensor.force_unit` and "
             "`sensor.moment_unit`, and that nothing touched."
         )
-    free = prior.covariance.copy()
-    free[0], free[:, 0] = 0.0, 0.0
-    free[0, 0] = max(prior.value[0], 1.0) ** 2
-    lean = prior.lean.copy()
-    lean[0] = 0.0
-    alone = dynamic_stage(rows, Prior(prior.value, free, lean), method, criteria=deciding)
+    alone = dynamic_stage(rows, released(prior, 1), method, criteria=deciding)
     track, _ = recursive(rows, prior, method)
     return Excitation(
         by_method, solution, track[-1], (float(alone.value[0]), float(alone.std[0])), known,
         np.concatenate([np.zeros(0) if m.motion.density is None else m.motion.density for m in moved]), tuple(pushed),
+        _another_body(rows, prior, solution, criteria) if known and postures is not None else None,
     )  # fmt: skip
+
+
+def released(prior: Prior, count: int) -> Prior:
+    """The same, but that of the first `count` of [m, m c] next to nothing is known: the mass, in kg and at 1 m."""
+    covariance, lean = prior.covariance.copy(), prior.lean.copy()
+    covariance[:count], covariance[:, :count], lean[:count] = 0.0, 0.0, 0.0
+    covariance[range(count), range(count)] = max(prior.value[0], 1.0) ** 2
+    return Prior(prior.value, covariance, lean)
+
+
+def _another_body(
+    rows: Rows, prior: Prior, solution: DynamicSolution, criteria: Criteria
+) -> tuple[float, float] | None:
+    """Mass and its std of the body that explains the motion with the zero of the postures, where their body does not:
+    as of a payload that was changed, or gripped otherwise, in between."""
+    noise = criteria.judging.above**2
+    if solution.mu < criteria.payload_static.clearly * noise:
+        return None
+    other = dynamic_stage(rows, released(prior, 4), "gtls", criteria=criteria.payload_dynamic)
+    return (float(other.value[0]), float(other.std[0])) if other.mu < noise else None
 
 
 def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
@@ -238,7 +256,8 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
     if settings.moments == "from_motion" or payload.file.imu is not None:
         return
     if settings.cutoff_hz is None:
-        rows = by_own_noise(rows, criteria.payload)
+        step = np.max([each.steps.size for each in payload.of("excitation")], axis=0)
+        rows = by_own_noise(rows, step, criteria.payload)
     found = moments_over_forces(rows, criteria.payload)
     most = criteria.payload.other_ratio
     if found is None or 1.0 / most <= found[0] <= most:
@@ -248,7 +267,7 @@ def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
         return
     if any(True for each in payload.of("excitation") for _ in saturated(payload, each, criteria)):
         return  # what is cut off or dead says nothing of units, and is told
-    if not explained(rows, ratio, criteria.payload_dynamic.misfit):
+    if not explained(rows, ratio, criteria.payload_dynamic.misfit, criteria.judging.above**2):
         return
     if ratio < 0.0:
         if 1.0 / most <= -ratio <= most:
@@ -346,12 +365,12 @@ def _without_contact(
     keep, found, margin = [], list[tuple[float, float]](), criteria.payload.margin_s
     rate = payload.file.settings.false_alarms_per_hour
     for each in moved:
+        time = each.motion.time
         touched = [
-            (a - margin, b + margin)
+            (max(a - margin, float(time[0])), min(b + margin, float(time[-1])))
             for a, b in compensation.pushes(each.motion, each.wrench, rate, criteria.payload_dynamic)
             if b - a > margin / 4
         ]
-        time = each.motion.time
         free = ~np.any([(time >= a) & (time <= b) for a, b in touched], axis=0) if touched else np.ones(len(time), bool)
         keep.append(np.asarray(free, dtype=bool))
         found += touched

@@ -176,10 +176,14 @@ def static_stage(
     A = force_columns(holds.rotation)
     if not inclined:
         A = np.column_stack([A[:, :3] @ (-sign * gravity), A[:, 3:]])
-    x, covariance_x, left_f = _fit(A, f.ravel(), float(holds.std[:3].mean()), method, _force_noise(holds, A))
+    x, covariance_x, left_f = _fit(A, f.ravel(), holds.std[:3], method, _force_noise(holds, A))
     kappa, f_0 = (x[:3], x[3:]) if inclined else (-sign * x[0] * gravity, x[1:])
     B = moment_columns(f)
-    y, covariance_y, left_t = _fit(B, tau.ravel(), float(holds.std[3:].mean()), method, _moment_noise(holds, B))
+    y, _, left_t = _fit(B, tau.ravel(), holds.std[3:], method, _moment_noise(holds, B))
+    least_squares = _fit(B, tau.ravel(), moment_noise(holds.std, y[:3]), "ls", np.zeros((6, 6)))
+    covariance_y = least_squares[1]
+    if method == "ls":
+        y, _, left_t = least_squares
     c, iota = y[:3], y[3:]
 
     mass = float(np.linalg.norm(kappa)) / g
@@ -269,11 +273,15 @@ def further_posture(holds: Holds, solution: StaticSolution, criteria: Standing =
     candidates = np.array([pin.rpy.rpyToMatrix(x, y, z) for x in angles for y in angles[2:7] for z in angles])
     wrenches = solution.predict(candidates)
 
+    def weighted(rotation: Array, wrench: Array) -> tuple[Array, Array]:
+        rows = np.tile(noise.reshape(2, 3), len(rotation))[:, :, None]
+        return force_columns(rotation) / rows[0], moment_columns(wrench[:, :3]) / rows[1]
+
     def information(rotation: Array, wrench: Array) -> float:
-        parts = (force_columns(rotation) / noise[0], moment_columns(wrench[:, :3]) / noise[3])
+        parts = weighted(rotation, wrench)
         return sum(float(np.linalg.slogdet(before + A.T @ A)[1]) for before, A in zip(held, parts, strict=True))
 
-    held = [A.T @ A for A in (force_columns(holds.rotation) / noise[0], moment_columns(holds.wrench[:, :3]) / noise[3])]
+    held = [A.T @ A for A in weighted(holds.rotation, holds.wrench)]
     gains = [information(R[None], w[None]) for R, w in zip(candidates, wrenches, strict=True)]
     k = int(np.argmax(gains))
     rotation = np.concatenate([holds.rotation, candidates[[k]]])
@@ -327,18 +335,24 @@ def forces_among_moments(holds: Holds, criteria: Standing = USUAL) -> bool:
     return shares[0] < criteria.unexplained and criteria.clearly * shares[0] < shares[1]
 
 
-def _fit(A: Array, b: Array, std: float, method: Method, noise: Array) -> tuple[Array, Array, Array]:
-    """Parameters, their covariance and the residual. noise: (n, n) summed covariance of A's rows."""
-    Z = np.column_stack([A, b]) / std
+def _fit(A: Array, b: Array, std: Array, method: Method, noise: Array) -> tuple[Array, Array, Array]:
+    """Parameters, their covariance and the residual. std: (3,) of the axes, which take turns in the rows. noise: (n, n)
+    summed covariance of A's rows."""
+    Z = np.column_stack([A, b]) / np.resize(std, len(b))[:, None]
     P = only_output(Z.shape[1], len(b))
     if method == "tls":
         P = np.eye(len(P))
     elif method == "gtls":
-        P[:-1, :-1] = noise / std**2
+        P[:-1, :-1] = noise * np.mean(std**-2.0)
     found = solve(triangle(Z), P)
-    left = b - A @ found.value
-    spread = max(float(left @ left) / max(len(b) - A.shape[1], 1), std**2)
-    return found.value, spread * np.linalg.inv(A.T @ A), left
+    left = Z @ np.append(-found.value, 1.0)
+    spread = max(float(left @ left) / max(len(b) - A.shape[1], 1), 1.0)
+    return found.value, spread * np.linalg.inv(Z[:, :-1].T @ Z[:, :-1]), b - A @ found.value
+
+
+def moment_noise(std: Array, centre: Array) -> Array:
+    """(3,) [N·m] by which τ - c x f errs, as both are read. std: (6,) of the channels."""
+    return np.asarray(np.hypot(std[3:], np.sqrt(pin.skew(centre) ** 2 @ std[:3] ** 2)))
 
 
 def _force_noise(holds: Holds, A: Array) -> Array:

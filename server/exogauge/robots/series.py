@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,9 @@ class Series:
         Implements [Payload] (43).
         """
         order = np.arange(1.0, self.harmonics + 1)
-        return null_space(np.ones((1, self.harmonics))), null_space(np.stack([1.0 / order, order]))
+        return scipy.linalg.null_space(np.ones((1, self.harmonics))), scipy.linalg.null_space(
+            np.stack([1.0 / order, order])
+        )
 
     def columns(self, time: Array) -> Array:
         """(3, T, 2N-2) of q, q̇, q̈ by the numbers of one joint.

@@ -142,9 +142,14 @@ def test_the_doubt_of_what_was_named_is_in_the_estimates(found_in):
 def test_mu_says_the_cause_that_was_named():
     named = Finding("delay", "sensor", (), 9.0, 2.0, 1.0, (("zero_drift", "sensor"),))
     missing = replace(unjudged(Caveat("not_held_out")), found=(named,))
-    assert reading_of_mu(2.0, 0.01, cause_of_residual(missing)).endswith("the wrench is late against the pose.")
+    assert reading_of_mu(2.0, 0.01, cause_of_residual(missing, noisier=False)).endswith(
+        "the wrench is late against the pose."
+    )
     unexplained = replace(missing, found=(), decision=Decision("unexplained", "above", None))
-    assert "nothing here explains" in reading_of_mu(2.0, 0.01, cause_of_residual(unexplained))
+    assert "nothing here explains" in cause_of_residual(unexplained, noisier=False)
+    none = replace(missing, found=(), decision=Decision("none", "nothing", None))
+    assert "stated too small" in cause_of_residual(none, noisier=True)
+    assert "too small to be named" in cause_of_residual(none, noisier=False)
     assert "do not hold" in verdict_of(replace(missing, decision=Decision("effects", "nothing", None)))
 
 

@@ -44,7 +44,7 @@ class Asked:
     def finer(self, rate: float) -> Asked | None:
         """The same on about half as many rows of a table of `rate` [Hz] a node, a foot standing from and until the same
         moments; ended at rest where its last node lies beyond. None where a row has a node already."""
-        step = max(1, round(0.5 * self.step * rate)) / rate
+        step = -(-rows_of(self.step, rate) // 2) / rate
         if step >= self.step:
             return None
         last = self.time[-1]
@@ -68,6 +68,13 @@ class Asked:
         kept = np.minimum(np.arange(-(-(len(self.q) - 1) // count) + 1) * count, len(self.q) - 1)
         place = tuple(self.place[k] for k in kept)
         return replace(self, q=self.q[kept], step=count * self.step, stands=self.stands[kept], place=place)
+
+
+def rows_of(step: float, rate: float) -> int:
+    """How many rows of a table of `rate` [Hz] a node takes that comes at least every `step` [s]; one, where rows are
+    fewer."""
+    rounding = 1e-9  # of a number of rows
+    return max(1, int(step * rate + rounding))
 
 
 def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], rounds: int = 30) -> Array:

@@ -8,7 +8,7 @@ from typing import final
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion
-from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.asked import Asked, rows_of
 from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
@@ -39,8 +39,7 @@ def paced(criteria: MotionPlan, slow: float, rate: float) -> MotionPlan:
     itself. With nodes between rows its jerk rang to 119 % of what the plan keeps."""
     k = max(slow, 1.0)
     nodes = criteria.nodes_per_s / k
-    rounding = 1e-9  # of a number of rows
-    nodes = rate / int(rate / nodes + rounding) if rate > nodes else nodes  # fewer rows than nodes hold no plan
+    nodes = rate / rows_of(1.0 / nodes, rate) if rate > nodes else nodes  # fewer rows than nodes hold no plan
     return replace(criteria, nodes_per_s=nodes, stretch_s=k * criteria.stretch_s, ahead_s=k * criteria.ahead_s)
 
 
@@ -68,7 +67,7 @@ def what_would_do(
 def kept(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None) -> bool:
     """Whether what is asked can be planned within every bound."""
     try:
-        _, judged = plan_within(
+        _, judged, _ = plan_within(
             robot, asked, criteria, rate=rate,
             stop=lambda made: bool(made.unsettled) or made.excess.max() > criteria.over,
         )  # fmt: skip

@@ -290,15 +290,19 @@ def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_m
 def _solve(
     P: csc_matrix, c: Array, A: csc_matrix, b: Array, G: csc_matrix, h: Array, low: Array, high: Array
 ) -> tuple[Array | None, str]:
-    solver = piqp.SparseSolver()
-    solver.settings.kkt_solver = piqp.sparse_multistage  # stage by stage: cost is linear in the length
-    solver.settings.eps_abs, solver.settings.eps_rel = 1e-2, 1e-8  # of slopes; what is asked for holds to 1e-9 by then
-    solver.settings.eps_duality_gap_abs = 0.5  # an angle off by its stray at one node costs as much
-    solver.settings.max_iter = (
-        40  # a first round, far from any posture that stands, may end here; it goes on from there
-    )
-    solver.setup(P, c, A, b, G, np.full(len(h), -np.inf), h, low, high)
-    status = solver.solve()
-    if status not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
-        return None, str(status)
-    return np.array(solver.result.x), ""  # a view would keep the solver and all that it holds
+    """Bounds yield to their slack, so that none makes it infeasible: where that is said, round-off says it, and more
+    regularisation finds the same."""
+    status = None
+    for rho, delta, least in ((1e-6, 1e-4, 1e-10), (1e-4, 1e-3, 1e-8)):  # the solver's own, then more
+        solver = piqp.SparseSolver()
+        settings = solver.settings
+        settings.kkt_solver = piqp.sparse_multistage  # stage by stage: cost is linear in the length
+        settings.rho_init, settings.delta_init, settings.reg_lower_limit = rho, delta, least
+        settings.eps_abs, settings.eps_rel = 1e-2, 1e-8  # of slopes; what is asked for holds to 1e-9 by then
+        settings.eps_duality_gap_abs = 0.5  # an angle off by its stray at one node costs as much
+        settings.max_iter = 40  # a first round, far from any posture that stands, may end here; it goes on from there
+        solver.setup(P, c, A, b, G, np.full(len(h), -np.inf), h, low, high)
+        status = solver.solve()
+        if status in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
+            return np.array(solver.result.x), ""  # a view would keep the solver and all that it holds
+    return None, str(status)

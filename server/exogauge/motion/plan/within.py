@@ -61,11 +61,11 @@ class _Found:
 def plan_within(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
     rate: float | None = None, stop: Stop | None = None,
-) -> tuple[Planned, Judged]:  # fmt: skip
+) -> tuple[Planned, Judged, Asked]:  # fmt: skip
     """Planned and judged at `rate` [Hz], as it is and as its table is read. Where a bound is broken that the nodes
     keep, it is planned anew, `again` times at most, each time from the best that there is: with feet that share the
     load evenly, where a leg bears it only as they share; with what is exceeded bounded by as much less; where that
-    comes no nearer, on more nodes. Best is what breaks fewest bounds, and by least.
+    comes no nearer, on more nodes. Best is what breaks fewest bounds, and by least; with what is asked on its nodes.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
     first, and standing at home is judged. stop: as of `plan`; a plan that is there already is not lost by it.
@@ -74,7 +74,7 @@ def plan_within(
     """
     rest = at_home(robot, criteria)
     if rest.lacks:
-        return _at_home(robot, asked, criteria, rate, rest)
+        return *_at_home(robot, asked, criteria, rate, rest), asked
 
     def made(wanted: Asked, own: MotionRobot, given: MotionPlan) -> _Found:
         planned = plan(own, wanted, given, report, stop)
@@ -101,7 +101,7 @@ def plan_within(
             found = best
         nearer = found.breaks(criteria) < best.breaks(criteria)
         best = min(best, found, key=lambda each: each.breaks(criteria))
-    return best.planned, _with_reasons(best.planned, best.judged, rest)
+    return best.planned, _with_reasons(best.planned, best.judged, rest), best.asked
 
 
 def _tightened(found: _Found, criteria: MotionPlan) -> tuple[MotionRobot, MotionPlan]:

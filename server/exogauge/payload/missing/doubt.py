@@ -102,8 +102,8 @@ def slightly_inclined(
     problem: Problem, found: Fitted, named: Sequence[Named]
 ) -> tuple[tuple[float, float] | None, Array]:
     """[rad] by which the base seems to lean and its std, where that is beyond chance, and (18, 18) what the lean that
-    nobody knows does to body and zero: what it seems to be, and how well that is known. Where no posture was there to
-    tell, and it is too little to be named."""
+    nobody knows does to body and zero: what it seems to be, and how well that is known. Where the base was taken to be
+    level, and it is too little to be named."""
     free = replace(problem, inclined=True)
     other = fit(free, named)
     C = covariance(free, other, named)[:SIZE, :SIZE]

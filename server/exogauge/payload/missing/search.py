@@ -93,7 +93,7 @@ class Missing:
     found changes what is fitted. courses: (T, 6) what of the wrench is that of what was found, of every stretch in the
     order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]. late: [s] by which
     the wrench is late, and std, where that is beyond chance and too little to be named; leans: [rad] by which the base
-    leans, where no posture was there to tell, and so too; slight_doubt: what that adds.
+    leans, where it was taken to be level, and so too; slight_doubt: what that adds.
     calibrated: whether gains and crosstalk of all axes at once stand in place of `courses`."""
 
     found: tuple[Finding, ...]
@@ -221,11 +221,7 @@ def find_missing(
         late = slightly_late(problem, base, named, delay(criteria.payload))
     slight = np.zeros((SIZE, SIZE)) if late is None else late[2]
     leans = None
-    if (
-        not inclined
-        and not any(each.still for each in fitted)
-        and all(each.effect.name != "inclination" for each in named)
-    ):
+    if not inclined and all(each.effect.name != "inclination" for each in named):
         leans, turned = slightly_inclined(problem, base, named)
         slight = slight + turned
     told = Missing(

@@ -63,8 +63,9 @@ def _held(missing: Missing) -> str:
     return f"The numbers here are those of a rigid body alone and do not hold: {why}."
 
 
-def cause_of_residual(missing: Missing) -> str:
-    """Why motion leaves more than the stated noise."""
+def cause_of_residual(missing: Missing, noisier: bool) -> str:
+    """Why motion leaves more than the stated noise. noisier: whether the wrench was measured to be noisier than is
+    stated by as much."""
     verdict = missing.decision.verdict
     if missing.found and missing.in_the_model:
         return "what was named missing is taken out already, so the noise is stated too small, or more is missing"
@@ -76,8 +77,10 @@ def cause_of_residual(missing: Missing) -> str:
         return "the base leans a little, or the noise is stated too small"
     if verdict == "none" and missing.late is not None:
         return "the wrench and the pose are not quite of the same time, or the noise is stated too small"
-    if verdict == "none":
+    if verdict == "none" and noisier:
         return "nothing is missing above the noise that was measured, so the noise is stated too small"
+    if verdict == "none":
+        return "something is missing that is too small to be named, and the numbers may be off by more than their doubt"
     return UNKNOWN_CAUSE
 
 

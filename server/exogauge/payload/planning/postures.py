@@ -11,7 +11,15 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.errors import NotIdentifiable
-from exogauge.payload.statics import Holds, StaticSolution, force_columns, inclination, moment_columns, static_stage
+from exogauge.payload.statics import (
+    Holds,
+    StaticSolution,
+    force_columns,
+    inclination,
+    moment_columns,
+    moment_noise,
+    static_stage,
+)
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -114,8 +122,8 @@ def choose(candidates: Array, count: int, believed: Believed) -> NDArray[np.intp
 def informations(rotation: Array, believed: Believed) -> tuple[Array, Array]:
     """(M, 6, 6) of [κ, f_0] and (M, 6, 6) of [c, ι], that each posture brings."""
     holds, K = believed.holds(rotation), len(rotation)
-    A = force_columns(rotation).reshape(K, 3, 6) / float(holds.std[:3].mean())
-    B = moment_columns(holds.wrench[:, :3]).reshape(K, 3, 6) / float(holds.std[3:].mean())
+    A = force_columns(rotation).reshape(K, 3, 6) / holds.std[:3, None]
+    B = moment_columns(holds.wrench[:, :3]).reshape(K, 3, 6) / moment_noise(holds.std, believed.centre)[:, None]
     return np.swapaxes(A, 1, 2) @ A, np.swapaxes(B, 1, 2) @ B
 
 
