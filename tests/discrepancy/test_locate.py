@@ -1,9 +1,12 @@
 """A channel is located where it is off by more than its sensor's noise, and it is said where."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from exogauge.search.baseline import lay_ground
+from exogauge.search.declared import left_over
 from exogauge.search.locate import located, pooled
 from exogauge.studies.words.finding_sentences import where_words
 
@@ -55,6 +58,16 @@ def test_the_widest_gap_comes_first(located_in, study, on_joint):
     ratios = [each.rmse / each.noise_floor for each in located_in(study(lambda m: small(m) + large(m)))]
     assert len(ratios) == 2
     assert ratios == sorted(ratios, reverse=True)
+
+
+def test_what_is_left_of_a_log_that_joined_is_unexplained_where_no_other_is_held_out(identified, study, on_joint):
+    """A name was given for the only log that had been held out, and of the seven noise floors left nothing was said."""
+    recordings = [replace(each, held_out=False) for each in study(on_joint(2, lambda m: 3.0 * np.abs(m.v)))]
+    found = identified(recordings)
+    ground = lay_ground(found.model, recordings, (), lambda *_: None)
+    assert left_over(found, ground.residuals, recordings)[0] == ()
+    (left,), _ = left_over(found, ground.residuals, recordings, {recordings[-1].log.name})
+    assert left.channel == "tau.j3"
 
 
 def test_without_a_held_out_log_nothing_is_located(located_in, study, on_joint):

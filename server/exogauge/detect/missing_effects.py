@@ -67,7 +67,8 @@ def _told(search: Search, current: Identification, with_bends: bool, notes: tupl
     if with_bends:
         left = lay_ground(current.model, problem.recordings, (), unwatched).residuals
     undecided = {(each.finding.effect, each.finding.place): each.undecided for each in search.steps if each.undecided}
-    unexplained, declared = left_over(current, left, problem.recordings)
+    joined = {each.of for each in notes if each.why == "joined"}
+    unexplained, declared = left_over(current, left, problem.recordings, joined)
     return Searched(
         recordings=tuple(problem.recordings),
         before=located(equations, problem.base, search.first),

@@ -82,10 +82,15 @@ def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses
 
 
 def left_over(
-    found: Identification, residuals: Sequence[LogResiduals], recordings: Sequence[Recording]
+    found: Identification,
+    residuals: Sequence[LogResiduals],
+    recordings: Sequence[Recording],
+    joined: Set[str] = frozenset(),
 ) -> tuple[tuple[Excess, ...], WithinDeclared]:
-    """What stands above the noise on held-out logs and is unexplained; and what declared uncertainties explain."""
-    above = located(found.model.equations, found, residuals)
+    """What stands above the noise on held-out logs and is unexplained; and what declared uncertainties explain. joined:
+    logs that were held out until something was found by fitting them, looked at where no other is held out."""
+    held_out = any(each.held_out for each in recordings)
+    above = located(found.model.equations, found, residuals, None if held_out else joined)
     declared = within_declared(found.model, recordings, above)
     return tuple(each for each in above if each not in declared.channels), declared
 
