@@ -54,3 +54,12 @@ def test_efforts_without_the_weight_that_a_controller_holds_are_told_as_such(tmp
     """Bodies in doubt by a quarter explained it away: silent, or a zero was blamed."""
     found = told(long_arm(tmp_path), [record(seed, g=0.0) for seed in (1, 2)])
     assert {(each.channel, each.rule) for each in found} == {("i.*", "gravity_left_out")}
+
+
+def test_an_angle_far_beyond_its_limits_may_be_the_motors_where_no_gear_is_stated(tmp_path: Path) -> None:
+    """A gear of 80 was told as degrees alone, by a factor that no effort had been asked for."""
+    turns = record(1)
+    (found, *_) = told(long_arm(tmp_path), [turns | {"q.lift": 80.0 * turns["q.lift"]}])
+    assert (found.channel, found.rule) == ("q.lift", "position_scale")
+    assert "gear_ratio" in found.advice
+    assert "unexplained" not in found.detail

@@ -36,7 +36,7 @@ class TorqueRipple:
     shapes = (
         Shape(
             "cycles", "cycles per range", SLOWEST, FASTEST, tuple(4.0 + STEP * k for k in range(31)),
-            words="cycles per revolution of the joint",
+            words="cycles per revolution of the joint, or per metre that it slides",
         ),
     )  # fmt: skip
     departing = tuple(Quantity(f"{part}_{wave}", "N·m") for part in ("second", "by_load") for wave in ("sin", "cos"))

@@ -27,7 +27,7 @@ class Caveat:
 
     not_held_out; joined: a log had to be fitted. too_short: `value` [s] of the `needed` [s] of
     steady motion, of `others` more channels too little, too; far: `value` noise floors in `seconds` [s], or of a
-    channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
+    channel without name. creeping: below `value` [unit], unless there is the rival (effect; kind, name and part of its
     place). feet_alike: these contact sensors read too much by the share `value` ± `needed`, or all else gives and
     weighs as much more. declared: this channel and `others` stand above the noise, no further than what is declared
     uncertain lets them; rival: the sources of that. spoiled: no log is fitted but such as this one, which the doctor
@@ -46,6 +46,7 @@ class Caveat:
     others: int = 0
     needed: float = math.nan
     rival: tuple[str, ...] = ()
+    unit: str = ""
 
 
 @final

@@ -336,7 +336,7 @@ def _remarks(
         *remarks_on_the_factor(robot, factor, names),
         *notes,
         *(Remark(about, tuple(each)) for about, each in told if each),
-        *remarks_on_creeping(settings.creeping),
+        *remarks_on_creeping(settings.creeping, robot.tree.sliding),
         *remarks_on_steady(steady, settings.criteria.identifying),
     )
 

@@ -52,7 +52,9 @@ class AxisSite:
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
         factor, own = in_si(unit, *(float(each[self.axis]) for each in sizes))
-        return factor, of_slide(own) if model.robot.joints[self.axis].name in model.robot.tree.sliding else own
+        if model.robot.joints[self.axis].name not in model.robot.tree.sliding:
+            return factor, own
+        return (factor / (2.0 * np.pi), "1/m") if own == "1/rev" else (factor, of_slide(own))
 
 
 def seen_of_axis(signals: AxisSignals) -> Seen:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,10 +45,11 @@ def remarks_on_steady(shares: Sequence[SteadyShare], criteria: Identifying) -> l
     return [*remarks, Remark(About.ONE_DIRECTION, one_way)] if one_way else remarks
 
 
-def remarks_on_creeping(creeping: Mapping[str, float]) -> list[Remark]:
-    """creeping: as `Settings.creeping`."""
+def remarks_on_creeping(creeping: Mapping[str, float], sliding: Collection[str]) -> list[Remark]:
+    """creeping: as `Settings.creeping`. sliding: joints whose speed is in m/s."""
     speeds = tuple((speed,) for speed in creeping.values())
-    return [Remark(About.CREEPING, tuple(creeping), speeds)] if creeping else []
+    units = tuple("m/s" if joint in sliding else "rad/s" for joint in creeping)
+    return [Remark(About.CREEPING, tuple(creeping), speeds, units)] if creeping else []
 
 
 def keeps_most(log: Prepared, criteria: Identifying) -> bool:

@@ -153,7 +153,8 @@ def _target_faults(
     faults = list[Fault]()
     name = channel.name
     if name in seen:
-        faults.append(Fault("two columns fill this channel", "duplicate_channel", "Keep one.", file, column=name))
+        advice = "Keep one. Of files that follow each other, list each as a log of its own."
+        faults.append(Fault("two columns fill this channel", "duplicate_channel", advice, file, column=name))
     if channel.of_joint and channel.subject not in joints:
         advice = f"Joints: {_some(joints)}."
         faults.append(Fault("the robot has no such joint", "unknown_joint", advice, file, column=name))

@@ -140,6 +140,8 @@ def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
     found = [OtherAxes(some, read, before, 0.0) for some in sensors for read in reads]
     found = [replace(each, after=left([each.undo(one) for one in seen])) for each in found]
     best = min(found, key=lambda each: each.after)
+    if len(best.sensors) == len(robot.contacts) and best.read == tuple((axis, -1.0) for axis in range(3)):
+        return None  # the weight tells whether they are reversed: if not, the accelerometer is
     sides = exchanged_contacts(robot, seen)
     most = min(
         criteria.sides_before, criteria.sides_falls * before, sides.after * before / sides.before if sides else np.inf

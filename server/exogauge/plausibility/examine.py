@@ -309,9 +309,9 @@ def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
     channels = [channel(robot, remedy, joint) for joint in remedy.joints]
     half = len(channels) // 2  # of two that are exchanged
     left = f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
-    if np.isinf(slip.evidence):
-        left = "as it is, it goes far beyond its limits"
     said, advice = SAID.get(remedy.rule) or _with_value(robot, remedy)
+    if np.isinf(slip.evidence):  # no loads were compared: another factor may do as well
+        said, left = "goes far beyond its limits", f"{remedy.value or 1.0:.3g} times smaller it does not"
     if slip.as_good is not None and slip.as_good.kind != remedy.kind:
         other = channel(robot, slip.as_good, remedy.joints[0])
         said, advice = f"{said}, if {other} is right; these logs cannot tell which of the two is wrong", advice
@@ -400,6 +400,8 @@ def _with_value(robot: Robot, remedy: Remedy) -> tuple[str, str]:
     if remedy.rule == "position_scale":
         unit = "is it in degrees?" if value > 1.0 else "was a column in radians declared as degrees?"
         gear = abs(joint.gear_ratio or 1.0)
+        if value > 1.0 and gear == 1.0:
+            unit = "is it in degrees, or the motor's angle, whose `gear_ratio` robot.yaml does not state?"
         if np.isclose(abs(np.log(value)), np.log(gear)):
             unit = "is it on the motor's side of the gear, and stated as the joint's, or the reverse?"
         return f"is {value:.3g} times what the effort it meets lets one expect", f"{unit} State it in a mapping"

@@ -41,6 +41,7 @@ def creeping(
     named: where effects are. What is left there is what their formulas do not hold, at low speed too.
     """
     open_lead = found.model.criteria.judging.open
+    sliding = found.model.robot.tree.sliding
     below, doubts = dict[str, float](), list[Caveat]()
     for soft in judged:
         site = soft.score.candidate.site
@@ -56,7 +57,7 @@ def creeping(
         if lead < open_lead:
             other = rivals[0].score.candidate
             rival = (other.effect.name, *other.site.label(found.model.equations))
-            doubts.append(Caveat("creeping", joint, speed, rival=rival))
+            doubts.append(Caveat("creeping", joint, speed, rival=rival, unit="m/s" if joint in sliding else "rad/s"))
     return Creeping(below, tuple(doubts))
 
 

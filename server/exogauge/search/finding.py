@@ -24,6 +24,7 @@ from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.validate import unit_of
+from exogauge.robots.parameters import of_slide
 from exogauge.robots.rows import RowType
 from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import Ground
@@ -184,7 +185,7 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     if along_motion(effect):
         way = np.concatenate([np.sign(each.seen.signals.velocity[each.rows[kind].samples]) for each in shown])
         before, after, torque = way * before, way * after, way * torque
-    unit = UNITS.get(name) or candidate.site.in_si(model, name, candidate.shape)[1]
+    unit = _unit(model, candidate, name)
     means = binned(at, before, after, torque, name in VELOCITIES)  # friction turns round at zero
     return Evidence(name, unit, *means, along_motion=along_motion(effect))
 
@@ -208,7 +209,18 @@ def continued(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRow
     )
     beyond = [(low - least, least, low), (most - high, most, high)]
     further, reached, fitted = max(beyond)
-    return Continued(name, UNITS[name], reached, fitted) if further > criteria.beyond * (high - low) else None
+    return (
+        Continued(name, _unit(model, candidate, name), reached, fitted)
+        if further > criteria.beyond * (high - low)
+        else None
+    )
+
+
+def _unit(model: RobotModel, candidate: Candidate, coordinate: str) -> str:
+    """Of a coordinate, which of a joint that slides is a length, its rate, or a force."""
+    place, name, _ = candidate.site.label(model.equations)
+    unit = UNITS.get(coordinate) or candidate.site.in_si(model, coordinate, candidate.shape)[1]
+    return of_slide(unit) if place == "joint" and name in model.robot.tree.sliding else unit
 
 
 def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:

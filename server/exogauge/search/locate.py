@@ -15,7 +15,8 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.validate import unit_of
-from exogauge.robots.rows import Row, RowType
+from exogauge.robots.parameters import of_slide
+from exogauge.robots.rows import RowType
 from exogauge.search.baseline import LogResiduals
 
 Array = NDArray[np.float64]
@@ -36,7 +37,7 @@ def located(
     sure = _sureness(found, shown, {kind: channel for kind, (channel, _, _) in above.items()})
     result = [
         Excess(channel, unit_of(channel, equations.robot), rmse, floor, sure[kind],
-               _where(shown, kind, equations.layout.rows[kind], found.model.criteria))
+               _where(shown, kind, equations, found.model.criteria))
         for kind, (channel, rmse, floor) in above.items()
         if sure[kind] > judging.sure_above
     ]  # fmt: skip
@@ -113,7 +114,7 @@ def _above_noise(squares: Array, criteria: Searching) -> float:
     return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
-def _where(residuals: Sequence[LogResiduals], kind: int, row: Row, criteria: Criteria) -> Concentration:
+def _where(residuals: Sequence[LogResiduals], kind: int, equations: Equations, criteria: Criteria) -> Concentration:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
     positions, in which it is largest."""
     known = [each for each in residuals if kind in each.residual]
@@ -124,18 +125,20 @@ def _where(residuals: Sequence[LogResiduals], kind: int, row: Row, criteria: Cri
     used = np.isfinite(e)
     if used.sum() < 30:
         return THROUGHOUT
-    square = e[used] ** 2
+    square, row = e[used] ** 2, equations.layout.rows[kind]
     over: dict[Coordinate, tuple[Array, str]] = {"time": (np.concatenate([each.time for each in known])[used], "s")}
     if row.type == RowType.AXIS:
 
         def of_axis(name: str) -> Array:
             return np.asarray(np.concatenate([getattr(each.axes[row.place], name) for each in known])[used])
 
-        over |= {
+        told: dict[Coordinate, tuple[Array, str]] = {
             "speed": (np.abs(of_axis("velocity")), "rad/s"),
             "position": (of_axis("position"), "rad"),
             "load": (np.abs(of_axis("load")), "N·m"),
         }
+        slides = equations.robot.joints[row.place].name in equations.robot.tree.sliding
+        over |= {name: (values, of_slide(unit) if slides else unit) for name, (values, unit) in told.items()}
     best, found = criteria.search.part, THROUGHOUT
     for name, (values, unit) in over.items():
         low, high = (float(end) for end in np.quantile(values, [1 / 3, 2 / 3]))

@@ -128,7 +128,7 @@ def reason_words(caveat: Caveat | None) -> str:
             reason = f"a channel stands at {caveat.value:.3g} noise floors, and nothing says that it surely does"
         case "creeping":
             reason = (
-                f"friction of {caveat.of} is less than Coulomb's below {caveat.value:.2g} rad/s, or there is "
+                f"friction of {caveat.of} is less than Coulomb's below {caveat.value:.2g} {caveat.unit}, or there is "
                 f"{at_place(*caveat.rival)}: these logs do not tell the two apart"
             )
         case "feet_alike":

@@ -87,7 +87,7 @@ FORMS: Mapping[About, Form] = {
     About.CREEPING: Form(
         "Friction turns round over a span of speeds, not at once, while these joints creep: {names}. What they do "
         "there is not taken for steady motion: it is neither fitted nor judged.",
-        each="{name} (below {0:.2g} rad/s)",
+        each="{name} (below {0:.2g} {beside})",
     ),
     About.FEET_AGAINST_MASS: Form(
         "The contact sensors weigh the robot to be {0:.4g} ± {1:.2g} kg, its maker {2:.4g} ± {3:.2g} kg. Masses, k_T, "
