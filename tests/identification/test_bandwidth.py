@@ -155,6 +155,25 @@ def test_where_no_row_is_left_a_higher_cutoff_is_sought(robot_and_log):
     assert choose_cutoff(robot, [log], log.rate_hz, trial) == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 
+def test_the_search_goes_on_upwards_past_fits_that_keep_no_motion(robot_and_log):
+    """Legs that squat slowly ended at 0.5 Hz, with nothing in steady motion: fits of a few rows are no comparison."""
+    robot, log, _ = robot_and_log
+    slow = {
+        name: np.sin(0.6 * log.time) + 1e-3 * np.random.default_rng(1).standard_normal(log.samples)
+        for name in log.channels
+        if name.startswith("q.")
+    }
+    slow_log = replace(log, channels={**log.channels, **slow})
+    first = suggested_cutoffs(robot, [slow_log])[0]
+
+    def trial(_, hz):
+        if hz > 3.0 * first:
+            return Tried(-3.1)
+        return Trial(-2.0 if hz < 1.5 * first else -1.7, Keeps.NEITHER)
+
+    assert choose_cutoff(robot, [slow_log], log.rate_hz, trial) == pytest.approx(4.0 * first)
+
+
 def test_the_search_for_a_cutoff_ends_between_what_bodies_move_at_and_what_the_slowest_log_bears(robot_and_log):
     robot, log, _ = robot_and_log
     assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0)) >= LOWEST_HZ

@@ -100,7 +100,10 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
         if drowned(cutoff_hz):
             break
         improved = not np.isfinite(before.left) or found.left < before.left - AS_GOOD
-        if (before.keeps is Keeps.BOTH and not improved) or found.left > _best(tried) + STOP:
+        if before.keeps is Keeps.BOTH and not improved:
+            break
+        some_keep = any(one.keeps > Keeps.NEITHER for one in tried.values())
+        if some_keep and found.left > _best(tried) + STOP:  # a fit of hardly any rows errs as the stated numbers do
             break
         before = found
     tried = {hz: one for hz, one in tried.items() if not drowned(hz)}
