@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.signal import welch
+import scipy
 
 from exogauge.logs import stored_band
 from exogauge.logs.model import Log
@@ -24,7 +24,7 @@ def efforts(count: int, samples: int = 6000, rate_hz: float = 200.0) -> Log:
 
 def by_hand(values: np.ndarray, rate_hz: float) -> tuple[float, float]:
     """(hz, dB) of the steepest fall: medians of all bins within a factor of 1.15, over an octave and a half."""
-    frequency, power = welch(np.diff(values), rate_hz, "blackmanharris", nperseg=1600, detrend="constant")
+    frequency, power = scipy.signal.welch(np.diff(values), rate_hz, "blackmanharris", nperseg=1600, detrend="constant")
     level = 10.0 * np.log10(power[1:] / (2.0 * np.sin(np.pi * frequency[1:] / rate_hz)) ** 2)
 
     def around(hz: float) -> float:
@@ -47,13 +47,13 @@ def test_all_efforts_at_once_fall_as_each_by_itself() -> None:
 
 def test_the_spectra_of_a_log_are_made_together_and_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """However many joints: one call for the efforts' edge, one each for the noise of positions and efforts."""
-    calls = []
+    calls, welch = [], scipy.signal.welch
 
     def counted(*args: object, **options: object) -> object:
         calls.append(args)
         return welch(*args, **options)
 
-    monkeypatch.setattr(stored_band, "welch", counted)
+    monkeypatch.setattr(scipy.signal, "welch", counted)
     logs = [efforts(4), efforts(12)]
     stored_edges(logs[:1])
     of_four = len(calls)
