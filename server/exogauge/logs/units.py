@@ -10,7 +10,7 @@ from typing import final
 from exogauge.logs.channels import Channel
 
 STANDARD_GRAVITY = 9.80665
-POUND_FORCE = 0.45359237 * STANDARD_GRAVITY
+POUND_FORCE = 0.45359237 * STANDARD_GRAVITY  # [N] by definition: an international pound is so many kilograms
 _DEG = math.pi / 180.0
 
 

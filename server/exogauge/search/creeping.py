@@ -20,6 +20,7 @@ from exogauge.findings.verdict import Caveat
 from exogauge.identification.model import Site
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, PairSite
+from exogauge.robots.parameters import of_slide
 from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels
 
@@ -57,7 +58,8 @@ def creeping(
         if lead < open_lead:
             other = rivals[0].score.candidate
             rival = (other.effect.name, *other.site.label(found.model.equations))
-            doubts.append(Caveat("creeping", joint, speed, rival=rival, unit="m/s" if joint in sliding else "rad/s"))
+            unit = of_slide("rad/s") if joint in sliding else "rad/s"
+            doubts.append(Caveat("creeping", joint, speed, rival=rival, unit=unit))
     return Creeping(below, tuple(doubts))
 
 
