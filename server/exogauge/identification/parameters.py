@@ -14,7 +14,7 @@ from exogauge.identification.result import Parameter
 from exogauge.identification.static_friction import Sticking
 from exogauge.identification.type_b import ROBOT
 from exogauge.robots.description import Robot
-from exogauge.robots.parameters import of_slide, parameter_names, parameter_units
+from exogauge.robots.parameters import parameter_names, parameter_units, unit_at
 
 Array = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ def coefficient_unit(unit: str, joint: str, robot: Robot) -> str:
     (actuation,) = (each.actuation for each in robot.joints if each.name == joint)
     if unit == "N·m/A" and actuation != "current":
         return "1"
-    return of_slide(unit) if joint in robot.tree.sliding else unit
+    return unit_at(robot.tree, joint, unit)
 
 
 def _base_parameters(

@@ -41,6 +41,11 @@ def of_slide(unit: str) -> str:
     return unit.replace("kg·m²", "kg").replace("N·m", "N").replace("rad", "m")
 
 
+def unit_at(tree: RigidTree, joint: str, unit: str) -> str:
+    """A turning joint's unit as it is at this joint, which turns or slides."""
+    return of_slide(unit) if joint in tree.sliding else unit
+
+
 def inertia_by_first_moment(c: Array) -> Array:
     """(6, 3) of the inertia about the origin by m c where the mass keeps its inertia about its centre c (3,)."""
     x, y, z = c

@@ -20,7 +20,7 @@ from exogauge.findings.verdict import Caveat
 from exogauge.identification.model import Site
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, PairSite
-from exogauge.robots.parameters import of_slide
+from exogauge.robots.parameters import unit_at
 from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels
 
@@ -42,7 +42,6 @@ def creeping(
     named: where effects are. What is left there is what their formulas do not hold, at low speed too.
     """
     open_lead = found.model.criteria.judging.open
-    sliding = found.model.robot.tree.sliding
     below, doubts = dict[str, float](), list[Caveat]()
     for soft in judged:
         site = soft.score.candidate.site
@@ -58,7 +57,7 @@ def creeping(
         if lead < open_lead:
             other = rivals[0].score.candidate
             rival = (other.effect.name, *other.site.label(found.model.equations))
-            unit = of_slide("rad/s") if joint in sliding else "rad/s"
+            unit = unit_at(found.model.robot.tree, joint, "rad/s")
             doubts.append(Caveat("creeping", joint, speed, rival=rival, unit=unit))
     return Creeping(below, tuple(doubts))
 

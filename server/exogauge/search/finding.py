@@ -24,7 +24,7 @@ from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.validate import unit_of
-from exogauge.robots.parameters import of_slide
+from exogauge.robots.parameters import unit_at
 from exogauge.robots.rows import RowType
 from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import Ground
@@ -220,7 +220,7 @@ def _unit(model: RobotModel, candidate: Candidate, coordinate: str) -> str:
     """Of a coordinate, which of a joint that slides is a length, its rate, or a force."""
     place, name, _ = candidate.site.label(model.equations)
     unit = UNITS.get(coordinate) or candidate.site.in_si(model, coordinate, candidate.shape)[1]
-    return of_slide(unit) if place == "joint" and name in model.robot.tree.sliding else unit
+    return unit_at(model.robot.tree, name, unit) if place == "joint" else unit
 
 
 def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:

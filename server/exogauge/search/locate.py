@@ -15,7 +15,7 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.validate import unit_of
-from exogauge.robots.parameters import of_slide
+from exogauge.robots.parameters import unit_at
 from exogauge.robots.rows import RowType
 from exogauge.search.baseline import LogResiduals
 
@@ -137,8 +137,8 @@ def _where(residuals: Sequence[LogResiduals], kind: int, equations: Equations, c
             "position": (of_axis("position"), "rad"),
             "load": (np.abs(of_axis("load")), "N·m"),
         }
-        slides = equations.robot.joints[row.place].name in equations.robot.tree.sliding
-        over |= {name: (values, of_slide(unit) if slides else unit) for name, (values, unit) in told.items()}
+        tree, joint = equations.robot.tree, equations.robot.joints[row.place].name
+        over |= {name: (values, unit_at(tree, joint, unit)) for name, (values, unit) in told.items()}
     best, found = criteria.search.part, THROUGHOUT
     for name, (values, unit) in over.items():
         low, high = (float(end) for end in np.quantile(values, [1 / 3, 2 / 3]))

@@ -36,7 +36,7 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     _refuse_flight(person)
     step = 1.0 / criteria.nodes_per_s
     rounding = 0.1  # of a node: files round the time of a frame, 16.667 ms of BVH is 1/60 s
-    count = int(np.ceil(person.time[-1] / step - rounding)) + 1  # the last node holds the person's end, or is beyond it
+    count = int(np.ceil(person.time[-1] / step - rounding)) + 1  # the last one holds the person's end
     time: Array = np.minimum(step * np.arange(count), person.time[-1])
     turn, trunk = (Slerp(person.time, Rotation.from_matrix(each))(time) for each in (person.turn, person.trunk))
     place = np.stack([np.interp(time, person.time, each) for each in person.pelvis.T], axis=1)
