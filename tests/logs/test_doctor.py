@@ -219,6 +219,11 @@ def read_slowly(channels: Channels) -> None:
     del channels["dq.knee"]
 
 
+def stop_foot(channels: Channels) -> None:
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        channels[f"ft.l_foot.{axis}"][2000:4000] = channels[f"ft.l_foot.{axis}"][2000]
+
+
 CASES = [
     ("not_finite", "tau.ankle", drop),
     ("dead", "i.hip", unplug),
@@ -256,6 +261,7 @@ CASES = [
     ("couple_first", "ft.*", couple_first),
     ("weight_on_another_axis", "ft.*", lying_sensors),
     ("weight_differs", "ft.*", scale("ft", 1.3)),
+    ("wrench_stands", "ft.l_foot", stop_foot),
 ]
 
 
@@ -264,6 +270,49 @@ def test_one_fault_fires_its_own_rule_and_no_other(rule, channel, corrupt):
     time, channels = healthy(np.random.default_rng(7))
     corrupt(channels)
     assert doubts(time, channels) == {(rule, channel)}
+
+
+@pytest.mark.parametrize("times", [0.0, 1.0], ids=["nothing", "last"])
+@pytest.mark.parametrize("span", [slice(0, 2000), slice(2000, 4000), slice(4000, None)])
+def test_a_foot_whose_sensor_stops_while_joints_move_spoils_its_log(times, span):
+    time, channels = healthy(np.random.default_rng(7))
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        channels[f"ft.l_foot.{axis}"][span] = times * channels[f"ft.l_foot.{axis}"][span][0]
+    (found,) = (f for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error")
+    assert (found.rule, found.channel) == ("wrench_stands", "ft.l_foot")
+    first, last = time[span][[0, -1]]
+    assert f"{first:.4g} to {last:.4g} s" in found.detail
+
+
+def test_one_force_that_drops_to_nothing_spoils_its_log():
+    time, channels = healthy(np.random.default_rng(7))
+    channels["ft.r_foot.fz"][1000:3000] = 0.0
+    found = {(f.rule, f.channel) for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error"}
+    assert found == {("wrench_stands", "ft.r_foot.fz")}
+
+
+def step_aside(channels: Channels, foot: str, steps: list[slice]) -> None:
+    """The foot is in the air and reads exactly nothing; the other bears what both did."""
+    other = {"l_foot": "r_foot", "r_foot": "l_foot"}[foot]
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        for span in steps:
+            channels[f"ft.{other}.{axis}"][span] += channels[f"ft.{foot}.{axis}"][span]
+            channels[f"ft.{foot}.{axis}"][span] = 0.0
+
+
+@pytest.mark.parametrize("steps", [[slice(2000, 4000)], [slice(k, k + 150) for k in range(300, 5700, 300)]])
+def test_a_foot_in_the_air_that_reads_nothing_is_not_taken_for_dead(steps):
+    time, channels = healthy(np.random.default_rng(7))
+    step_aside(channels, "l_foot", steps)
+    assert not {f.rule for f in examine(Log("log", time, channels), EXPECTED)} & {"wrench_stands"}
+
+
+def test_a_foot_that_stands_still_with_all_joints_is_not_taken_for_dead():
+    """A simulator without noise: while nothing moves, nothing changes."""
+    time, channels = healthy(np.random.default_rng(7))
+    for values in channels.values():
+        values[2000:4000] = values[2000]
+    assert not [f for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error"]
 
 
 def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_chosen():

@@ -59,6 +59,18 @@ class Examining:
     frozen_s: float = criterion(
         0.25, "s", "at one value, of a channel that changes all the time, before it is told", judgement(RULES)
     )
+    frozen_share: float = criterion(
+        0.02,
+        "1",
+        "of a log, for which a wrench or an IMU may stand while joints move, before the log is spoiled",
+        judgement(RULES),
+    )
+    in_motion: float = criterion(
+        0.1, "1", "of a position's range, from which on a joint moved meanwhile", judgement(RULES)
+    )
+    unloaded: float = criterion(
+        0.2, "1", "of the weight: a foot that reads less is in the air where the others bear the rest", judgement(RULES)
+    )
     alive: float = criterion(
         0.2, "1", "of the samples may repeat in a channel that is expected to change all the time", judgement(RULES)
     )
