@@ -315,6 +315,32 @@ def test_a_foot_that_stands_still_with_all_joints_is_not_taken_for_dead():
     assert not [f for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error"]
 
 
+def swaying(lever: float, hz: float, degrees: float, gyro: float = 1.0) -> Log:
+    """The IMU of a base that pitches about a point so far below it."""
+    rng, time = np.random.default_rng(3), np.arange(SAMPLES) / RATE
+    w = 2.0 * np.pi * hz
+    pitch = np.radians(degrees) * np.sin(w * time)
+    rate, acceleration = w * np.radians(degrees) * np.cos(w * time), -(w**2) * pitch
+    acc = [lever * acceleration - 9.81 * np.sin(pitch), 0.0 * time, 9.81 * np.cos(pitch) - lever * rate**2]
+    channels = {
+        f"acc.{axis}": each + 0.05 * rng.standard_normal(SAMPLES) for axis, each in zip("xyz", acc, strict=True)
+    }
+    for axis, each in zip("xyz", (0.0 * time, rate, 0.0 * time), strict=True):
+        channels[f"gyro.{axis}"] = gyro * each + 0.002 * rng.standard_normal(SAMPLES)
+    return Log("log", time, channels)
+
+
+@pytest.mark.parametrize("degrees", [3.0, 10.0])
+@pytest.mark.parametrize(("lever", "hz"), [(1.0, 0.39), (1.0, 0.8), (1.2, 0.5), (-0.5, 0.5), (-0.4, 0.9)])
+def test_a_base_that_accelerates_as_it_turns_about_its_ankles_or_a_hook_has_no_gyro_in_doubt(lever, hz, degrees):
+    assert [f.rule for f in examine(swaying(lever, hz, degrees)) if f.channel == "gyro"] == []
+
+
+@pytest.mark.parametrize(("gyro", "rule"), [(0.5, "gyro_scale"), (2.0, "gyro_scale"), (-1.0, "gyro_sign")])
+def test_a_gyro_that_is_off_by_more_than_that_is_told(gyro, rule):
+    assert [f.rule for f in examine(swaying(0.3, 0.25, 10.0, gyro)) if f.channel == "gyro"] == [rule]
+
+
 def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_chosen():
     time, channels = healthy(np.random.default_rng(8))
     channels["q.hip"] = 60.0 * channels["q.hip"]

@@ -140,6 +140,12 @@ class Examining:
         0.2, "1", "variation of the slow acceleration up to which its direction is that of gravity", judgement(RULES)
     )
     tilt_rate: float = criterion(0.02, "rad/s", "rms: slower tilting says nothing about the gyro", judgement(RULES))
+    levers_m: tuple[float, float] = criterion(
+        (1.5, 1.0),
+        "m",
+        "below and above the IMU, to the point about which a base turns at most: a humanoid's ankles, a crane's hook",
+        judgement(RULES),
+    )
     gyro_unlike: float = criterion(
         0.5, "1", "likeness with gravity's motion below which the gyro's axes are in doubt", judgement(RULES)
     )
