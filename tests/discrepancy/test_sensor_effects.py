@@ -164,6 +164,40 @@ def test_an_encoder_that_was_zeroed_elsewhere_is_named_with_its_angle(tmp_path: 
     assert max(abs(each.value - known[each.name]) / each.std for each in friction) < 3.0
 
 
+def beside_the_axis(log: Log, joint: str, off: float) -> Log:
+    """Read off a disc whose lines' centre is `off` of its radius beside the axis: by the triangle, no sine."""
+    channel = f"q.{joint}"
+    true = log.channels[channel]
+    return replace(log, channels=log.channels | {channel: true - np.arcsin(off * np.sin(true + 0.7))})
+
+
+@pytest.mark.parametrize(("joint", "off"), [("j2", 0.03), ("j3", 0.04)])
+def test_a_disc_beside_its_axis_is_named_and_no_spring(tmp_path: Path, joint: str, off: float) -> None:
+    """It was `unexplained`, or a zero: the rate and the acceleration that it reads wrongly were not looked at."""
+    sensors = [wrist()]
+    robot = describe(tmp_path, sensors)
+    found = searched(robot, [beside_the_axis(record(seed, sensors, LONG), joint, off) for seed in SEEDS])
+    assert named(found) == [("encoder_eccentricity", "joint", joint, "")]
+    (finding,) = found.discrepancy.findings
+    once = [finding.parameters[f"once_{each}"] for each in ("sin", "cos")]
+    for told, true in zip(once, (off * np.cos(0.7), off * np.sin(0.7)), strict=True):
+        assert told.value == pytest.approx(true, abs=max(3.0 * told.std, 0.05 * off))
+    assert finding.held_out.rmse_after < 1.15 * finding.held_out.noise_floor
+
+
+def test_a_spring_at_a_joint_is_no_eccentric_encoder(tmp_path: Path) -> None:
+    """Wound about where it is slack, stiffer the further: it pulls with the angle, and never with the speed."""
+    sensors = [wrist()]
+    robot = describe(tmp_path, sensors)
+
+    def pulled(log: Log) -> Log:
+        away = log.channels["q.j2"] - 0.2
+        return replace(log, channels=log.channels | {"tau.j2": log.channels["tau.j2"] + 4.0 * away + 0.5 * away**3})
+
+    found = searched(robot, [pulled(record(seed, sensors, LONG)) for seed in SEEDS])
+    assert "encoder_eccentricity" not in [name for name, *_ in named(found)]
+
+
 @pytest.mark.parametrize("sees", ["payload_on_sensor", "sensor_on_payload"])
 def test_nothing_is_named_where_nothing_is_wrong(search: Search, sees: str) -> None:
     found = search(sees=sees)

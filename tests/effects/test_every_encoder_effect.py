@@ -13,7 +13,7 @@ every_effect = pytest.mark.parametrize("effect", EFFECTS.values(), ids=list(EFFE
 
 def signals(samples=500):
     t = np.arange(samples) / 100.0
-    return EncoderSignals(t, 0.8 * np.sin(0.7 * t))
+    return EncoderSignals(t, 1.4 * np.sin(0.7 * t))
 
 
 @every_effect
@@ -23,7 +23,19 @@ def test_there_is_one_finite_error_for_each_coefficient(effect, samples):
     assert errors.shape == (samples, len(effect.coefficients))
     assert errors.dtype == np.float64
     assert np.isfinite(errors).all()
-    assert effect.applies(signals(samples)) is bool(samples)
+    assert effect.applies(signals(500))
+    assert not effect.applies(signals(0))
+
+
+def test_a_zero_is_seen_in_one_sample_and_not_where_it_turns_the_whole_robot():
+    zero, one = EFFECTS["encoder_zero"], signals(1)
+    assert zero.applies(one)
+    assert not zero.applies(EncoderSignals(one.time, one.position, first=True))
+
+
+def test_an_eccentric_encoder_takes_a_quarter_of_a_turn_to_be_seen():
+    t = np.arange(500) / 100.0
+    assert not EFFECTS["encoder_eccentricity"].applies(EncoderSignals(t, 0.7 * np.sin(2.0 * t)))
 
 
 @every_effect

@@ -37,7 +37,7 @@ class EncoderZero:
         return np.ones((len(signals.time), 1))
 
     def applies(self, signals: EncoderSignals) -> bool:
-        return len(signals.time) > 0
+        return len(signals.time) > 0 and not signals.first
 
 
 EFFECT = EncoderZero()

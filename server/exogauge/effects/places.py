@@ -49,10 +49,13 @@ class PairEffect(MissingEffect, Protocol):
 @final
 @dataclass(frozen=True)
 class EncoderSignals:
-    """T samples of what one joint's encoder has read. time: (T,) [s] from the log's start. position: (T,) [rad]."""
+    """T samples of what one joint's encoder has read. time: (T,) [s] from the log's start. position: (T,) [rad].
+
+    first: nothing before the joint moves, so that a constant error of it turns the robot as a whole."""
 
     time: Array
     position: Array
+    first: bool = False
 
 
 class EncoderEffect(MissingEffect, Protocol):
@@ -60,8 +63,8 @@ class EncoderEffect(MissingEffect, Protocol):
     coordinate: `position` or `time`."""
 
     def errors(self, signals: EncoderSignals, shape: tuple[float, ...]) -> Array:
-        """(T, C) by how much the true angle is more than the one that was read, per unit of each coefficient; slow
-        beside the motion: its rate is not looked at."""
+        """(T, C) by how much the true angle is more than the one that was read, per unit of each coefficient. What
+        changes makes the joint faster, too, and accelerates it."""
         ...
 
     def applies(self, signals: EncoderSignals) -> bool:

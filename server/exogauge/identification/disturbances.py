@@ -83,7 +83,7 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
         columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
     samples = prepared.motion.samples
     few = thinned(samples, prepared.log.rate_hz, cutoff_hz)
-    some, unit = at if len(at) <= len(few) else few, np.ones(samples)
+    some, unit = at if len(at) <= len(few) else few, np.tile([1.0, 0.0, 0.0], (samples, 1))
     for number, joint in enumerate(robot.joints):
         if (name := f"{ENCODER}.{joint.name}") in places:
             found = read_wrongly(equations, phi, prepared, some, number, -STEP, STEP, unit)

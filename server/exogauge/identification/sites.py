@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.effects.effect import JointSignals
 from exogauge.effects.places import BaseChange, BaseSignals, EncoderSignals, LinkSignals, PairSignals, SensorSignals
 from exogauge.effects.shaped import AxisSignals, in_si
 from exogauge.identification.added_columns import COMPONENTS, kinds_of_body
@@ -17,7 +18,7 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared, wrenches
 from exogauge.identification.thinned import at_all, thinned
-from exogauge.logs.derivatives import differentiate
+from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.kinematics import subtree
@@ -209,10 +210,10 @@ class EncoderSite:
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         layout = model.equations.layout
         time, position = prepared.log.time - prepared.log.time[0], prepared.motion.q[:, self.joint]
-        signals = EncoderSignals(time, position)
+        signals = EncoderSignals(time, position, _nothing_moves_before(model.robot, self.joint))
         own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
         phi = model.bodies_in(prepared.log.recording)
-        slopes = dict[float, Array]()
+        slopes = dict[int, Array]()
 
         at = thinned(prepared.motion.samples, prepared.log.rate_hz, model.cutoff_hz)
 
@@ -223,19 +224,46 @@ class EncoderSite:
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             names, rows = [each.name for each in effect.coefficients], []
             for name, error in zip(names, effect.errors(signals, shape).T, strict=True):
-                size = found.get(name, 0.0)
+                size, read = found.get(name, 0.0), _with_rates(error, prepared.log.rate_hz)
                 if abs(size) > STEP:
-                    rows.append(moved(0.0, size, error)[:, own])
+                    row = moved(0.0, size, read)[:, own]
                 else:
-                    if not slopes:  # of the angle itself: every error goes along it
-                        slopes[STEP] = moved(-STEP, STEP, np.ones_like(error))[:, own]
-                    rows.append(slopes[STEP] * error[:, None])
+                    row = np.zeros((len(error), len(own)))
+                    for order in np.flatnonzero(read.any(axis=0)).tolist():
+                        if order not in slopes:  # of the angle, its rate, that one's: every error goes along them
+                            unit = np.zeros_like(read)
+                            unit[:, order] = 1.0
+                            slopes[order] = moved(-STEP, STEP, unit)[:, own]
+                        row += slopes[order] * read[:, [order]]
+                rows.append(row + _of_drive(model, self.joint, read)[:, own])
             return np.stack(rows, axis=1)
 
         return Seen(signals, columns)
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
+
+
+def _with_rates(error: Array, rate_hz: float) -> Array:
+    """(T, 3): an error (T,) of an angle, its rate and the rate of that; exactly none where it is constant."""
+    if len(error) < 3 or not np.ptp(error):
+        return np.stack([error, 0.0 * error, 0.0 * error], axis=1)
+    return np.stack([error, differentiate(error, rate_hz), differentiate_twice(error, rate_hz)], axis=1)
+
+
+def _of_drive(model: RobotModel, joint: int, error: Array) -> Array:
+    """(T, told rows) what friction and rotor take off the axes' rows per unit of an error (T, 3) of a joint's angle."""
+    rows = np.zeros((len(error), len(model.equations.layout.told)))
+    if not error[:, 1:].any():
+        return rows
+    still = np.zeros(len(error))
+    for axis, share in enumerate(model.robot.axes_from_joints[:, joint]):
+        if share:
+            none = JointSignals(still, still, still, still, still, still)
+            moved = replace(none, velocity=share * error[:, 1], acceleration=share * error[:, 2])
+            for effect, size in zip(model.equations.effects, model.identified.xi[axis], strict=True):
+                rows[:, model.equations.layout.told.axis(axis)] += size * (effect.column(moved) - effect.column(none))
+    return rows
 
 
 @final
@@ -321,18 +349,25 @@ def seen_by(model: RobotModel, prepared: Prepared, sites: Sequence[Site]) -> dic
 
 
 def encoders(robot: Robot) -> list[EncoderSite]:
-    """Of joints that turn. Not of the first one of a fixed base, whose zero turns the robot as a whole; nor of those
-    that bear an outside wrench, which acts elsewhere then."""
+    """Of joints that turn, but for those that bear an outside wrench, which acts elsewhere then."""
     tree = robot.tree
     bearing = {body for sensor in robot.contacts for body in _way_to_base(tree, tree.frames[sensor.frame][0])}
     return [
         EncoderSite(int(joint))
         for body, joint in enumerate(tree.dof)
-        if joint >= 0
-        and not tree.prismatic[body]
-        and body not in bearing
-        and (robot.floating or any(tree.dof[each] >= 0 for each in _way_to_base(tree, int(tree.parent[body]))))
+        if joint >= 0 and not tree.prismatic[body] and body not in bearing
     ]
+
+
+def with_zeros(robot: Robot) -> list[int]:
+    """Joints of these whose zero is their own; that of the first one of a fixed base turns the robot as a whole."""
+    return [each.joint for each in encoders(robot) if not _nothing_moves_before(robot, each.joint)]
+
+
+def _nothing_moves_before(robot: Robot, joint: int) -> bool:
+    tree = robot.tree
+    before = int(tree.parent[int(np.flatnonzero(tree.dof == joint)[0])])
+    return not robot.floating and not any(tree.dof[each] >= 0 for each in _way_to_base(tree, before))
 
 
 def _way_to_base(tree: RigidTree, body: int) -> list[int]:
@@ -419,13 +454,15 @@ def read_wrongly(
     high: float,
     error: Array,
 ) -> Array:
-    """(n, told rows) what an error (T,) of a joint's angle takes off each at these samples per unit, from `low` to
-    `high` times it: as large as it is held to be it is whole there, and no slope. phi: (B,) base parameters.
+    """(n, told rows) what an error of a joint's angle, with its rate and the rate of that (T, 3), takes off each at
+    these samples per unit, from `low` to `high` times it: as large as it is held to be it is whole there, and no slope.
+    phi: (B,) base parameters.
 
     No row feels the angle but by what the links beyond it weigh, and by what acts on feet beyond it.
     """
-    tree, m, way = equations.robot.tree, prepared.motion.rows(at), np.zeros((len(at), len(equations.robot.joints)))
-    way[:, joint] = error[at]
+    tree, m = equations.robot.tree, prepared.motion.rows(at)
+    way = np.zeros((3, len(at), len(equations.robot.joints)))
+    way[:, :, joint] = error[at].T
     turned_by_it = subtree(tree)[int(np.flatnonzero(tree.dof == joint)[0])]
     beyond = np.where(turned_by_it[equations.base.columns // 10], phi, 0.0)
     feet = [tree.frames[each.frame][0] for each in equations.robot.contacts]
@@ -433,8 +470,8 @@ def read_wrongly(
     rows_of_feet = slice(0, equations.layout.told.axes.stop)
 
     def rows(step: float) -> Array:
-        q = m.q + step * way
-        found = equations.of_bodies(Motion(q, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), beyond)
+        q, dq, ddq = (each + step * own for each, own in zip((m.q, m.dq, m.ddq), way, strict=True))
+        found = equations.of_bodies(Motion(q, dq, ddq, m.acc, m.gyro, m.gyro_dot), beyond)
         if bears:
             found[:, rows_of_feet] -= equations.acting_at(q, prepared.wrenches[at])
         return found

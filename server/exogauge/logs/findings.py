@@ -84,6 +84,13 @@ def varies(values: Array) -> bool:
     return bool(finite.size and np.ptp(finite) > 1e-12 * np.max(np.abs(finite)))
 
 
+def joints_move(log: Log, span: slice, criteria: Examining) -> bool:
+    """Whether any position goes through a good part of its range there."""
+    return any(
+        np.ptp(values[span]) > criteria.in_motion * np.ptp(values) for values in joint_channels(log, "q").values()
+    )
+
+
 def first_row(flags: NDArray[np.bool_]) -> int:
     """The data row, from 1, of the first True."""
     return int(np.argmax(flags)) + 1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Comparing
 from exogauge.identification.contacts import ContactPaths
-from exogauge.identification.sites import encoders
+from exogauge.identification.sites import with_zeros
 from exogauge.plausibility.axis_fit import Likelihood
 from exogauge.plausibility.described import asked_of
 from exogauge.plausibility.expectation import Expected
@@ -97,7 +97,7 @@ def _likely(robot: Robot, expected: Sequence[Expected]) -> list[int]:
             slope, curve = slope + b, curve + H
     gain = 0.5 * slope**2 / np.maximum(curve, 1e-12)
     least = expected[0].seen.criteria.zero * expected[0].seen.criteria.screened
-    own = {site.joint for site in encoders(robot)}  # under a foot's wrench another zero looks like its sensor's error
+    own = set(with_zeros(robot))  # under a foot's wrench another zero looks like its sensor's error
     return [int(j) for j in np.argsort(-gain, kind="stable") if gain[j] > least and j in own]
 
 
