@@ -186,6 +186,11 @@ def exchange_gyro(channels: Channels) -> None:
     channels["gyro.x"], channels["gyro.y"] = -channels["gyro.y"], channels["gyro.x"]
 
 
+def silence_gyro(channels: Channels) -> None:
+    for axis in "xyz":
+        channels[f"gyro.{axis}"] = 0.005 * np.random.default_rng(ord(axis)).standard_normal(SAMPLES)
+
+
 def couple_first(channels: Channels) -> None:
     for foot in ("l_foot", "r_foot"):
         force, couple = ([channels[f"ft.{foot}.{kind}{axis}"] for axis in "xyz"] for kind in "fm")
@@ -254,6 +259,7 @@ CASES = [
     ("gyro_sign", "gyro", scale("gyro", -1.0)),
     ("gyro_scale", "gyro", scale("gyro", 2.0)),
     ("gyro_frame", "gyro", exchange_gyro),
+    ("gyro_still", "gyro", silence_gyro),
     ("wrench_sign", "ft.*", scale("ft", -1.0)),
     ("wrench_sign", "ft.*", scale("ft.r_foot", -1.0)),
     ("force_unit", "ft.*", scale("ft", 1 / 9.81)),
@@ -339,6 +345,22 @@ def test_a_base_that_accelerates_as_it_turns_about_its_ankles_or_a_hook_has_no_g
 @pytest.mark.parametrize(("gyro", "rule"), [(0.5, "gyro_scale"), (2.0, "gyro_scale"), (-1.0, "gyro_sign")])
 def test_a_gyro_that_is_off_by_more_than_that_is_told(gyro, rule):
     assert [f.rule for f in examine(swaying(0.3, 0.25, 10.0, gyro)) if f.channel == "gyro"] == [rule]
+
+
+@pytest.mark.parametrize("gyro", [0.0, 1.0])
+@pytest.mark.parametrize(("hz", "degrees"), [(0.2, 6.0), (0.3, 10.0)])
+def test_a_gyro_of_noise_alone_is_an_error_where_no_sway_on_a_level_base_moves_gravity_so_far(hz, degrees, gyro):
+    found = [(f.severity, f.rule) for f in examine(swaying(0.3, hz, degrees, gyro)) if f.channel == "gyro"]
+    assert found == ([("error", "gyro_still")] if gyro == 0.0 else [])
+
+
+def test_a_base_that_sways_level_is_asked_for_not_blamed():
+    """5 cm at 0.5 Hz, and no rotation at all: no gyro tells more than its noise."""
+    rng, log = np.random.default_rng(3), swaying(0.0, 0.5, 0.0)
+    shifts = 0.05 * (np.pi**2) * np.sin(np.pi * log.time)
+    log = replace(log, channels=log.channels | {"acc.x": shifts + 0.05 * rng.standard_normal(SAMPLES)})
+    found = [(f.severity, f.rule) for f in examine(log) if f.channel == "gyro"]
+    assert found == [("warning", "gyro_still")]
 
 
 def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_chosen():

@@ -86,6 +86,19 @@ def test_a_log_whose_foot_is_dead_for_a_third_of_it_is_neither_fitted_nor_judged
     assert found["discrepancy"]["findings"] == []
 
 
+def unmoved(columns: Columns) -> Columns:
+    noise = np.random.default_rng(5).standard_normal((3, len(columns["t"])))
+    return columns | {f"gyro.{axis}": 0.002 * each for axis, each in zip("xyz", noise, strict=True)}
+
+
+def test_a_log_whose_gyro_tells_noise_alone_is_neither_fitted_nor_judged_by(tmp_path: Path) -> None:
+    found = evaluated(tmp_path, recorded(True) | {"id_1": unmoved(recorded(True)["id_1"])}, True)
+    (told,) = [each for each in found["notices"] if each["code"] == "logs_spoiled"]
+    assert told["names"] == ["id_1"]
+    assert "gyro tells no more than noise" in told["sentence"]
+    assert found["discrepancy"]["findings"] == []
+
+
 def rippled(columns: Columns) -> Columns:
     """With an effect that the search names where no log is spoiled."""
     return columns | {"i.j3": columns["i.j3"] + 0.15 * np.sin(9.0 * columns["q.j3"])}

@@ -146,6 +146,18 @@ class Examining:
         "below and above the IMU, to the point about which a base turns at most: a humanoid's ankles, a crane's hook",
         judgement(RULES),
     )
+    gyro_noise: float = criterion(
+        3.0,
+        "1",
+        "times what white noise, as seen above the motion, has below tilt_hz: a gyro that tells no more tells nothing",
+        measured("a gyro that turns: 54 at the least, a simulated body at 0.02 rad/s; a walking iCub 61"),
+    )
+    level_m: float = criterion(
+        0.1,
+        "m",
+        "rms, by which a base may sway without turning at all: beyond, gravity did turn in the accelerometer",
+        judgement(RULES),
+    )
     gyro_unlike: float = criterion(
         0.5, "1", "likeness with gravity's motion below which the gyro's axes are in doubt", judgement(RULES)
     )

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.constants import g
 
 from exogauge.criteria.examining import Examining
-from exogauge.logs.findings import Expectation, Finding, Severity, joints_move, runs
+from exogauge.logs.findings import ACC, Expectation, Finding, Severity, joints_move, runs, vector
 from exogauge.logs.model import Log
 
 FORCE, MOMENT = ("fx", "fy", "fz"), ("mx", "my", "mz")
@@ -23,8 +23,8 @@ def contact_stands(log: Log, expected: Expectation) -> Iterator[Finding]:
     sensors, criteria = tuple(expected.contacts), expected.criteria
     if expected.weight_n is None or not all(log.has(*_channels(sensor)) for sensor in sensors):
         return
-    acc = [f"acc.{axis}" for axis in "xyz"]
-    needs = np.linalg.norm(log.stack(acc), axis=1) / g if log.has(*acc) else np.ones(log.samples)
+    acc = vector(log, ACC)
+    needs = np.ones(log.samples) if acc is None else np.linalg.norm(acc, axis=1) / g
     force = {sensor: log.stack(_channels(sensor, FORCE)) / expected.weight_n for sensor in sensors}
 
     def in_air(sensor: str, span: slice) -> bool:
