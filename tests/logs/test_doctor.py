@@ -186,6 +186,11 @@ def exchange_gyro(channels: Channels) -> None:
     channels["gyro.x"], channels["gyro.y"] = -channels["gyro.y"], channels["gyro.x"]
 
 
+def silence_gyro(channels: Channels) -> None:
+    for axis in "xyz":
+        channels[f"gyro.{axis}"] = 0.005 * np.random.default_rng(ord(axis)).standard_normal(SAMPLES)
+
+
 def couple_first(channels: Channels) -> None:
     for foot in ("l_foot", "r_foot"):
         force, couple = ([channels[f"ft.{foot}.{kind}{axis}"] for axis in "xyz"] for kind in "fm")
@@ -219,6 +224,11 @@ def read_slowly(channels: Channels) -> None:
     del channels["dq.knee"]
 
 
+def stop_foot(channels: Channels) -> None:
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        channels[f"ft.l_foot.{axis}"][2000:4000] = channels[f"ft.l_foot.{axis}"][2000]
+
+
 CASES = [
     ("not_finite", "tau.ankle", drop),
     ("dead", "i.hip", unplug),
@@ -249,6 +259,7 @@ CASES = [
     ("gyro_sign", "gyro", scale("gyro", -1.0)),
     ("gyro_scale", "gyro", scale("gyro", 2.0)),
     ("gyro_frame", "gyro", exchange_gyro),
+    ("gyro_still", "gyro", silence_gyro),
     ("wrench_sign", "ft.*", scale("ft", -1.0)),
     ("wrench_sign", "ft.*", scale("ft.r_foot", -1.0)),
     ("force_unit", "ft.*", scale("ft", 1 / 9.81)),
@@ -256,6 +267,7 @@ CASES = [
     ("couple_first", "ft.*", couple_first),
     ("weight_on_another_axis", "ft.*", lying_sensors),
     ("weight_differs", "ft.*", scale("ft", 1.3)),
+    ("wrench_stands", "ft.l_foot", stop_foot),
 ]
 
 
@@ -264,6 +276,91 @@ def test_one_fault_fires_its_own_rule_and_no_other(rule, channel, corrupt):
     time, channels = healthy(np.random.default_rng(7))
     corrupt(channels)
     assert doubts(time, channels) == {(rule, channel)}
+
+
+@pytest.mark.parametrize("times", [0.0, 1.0], ids=["nothing", "last"])
+@pytest.mark.parametrize("span", [slice(0, 2000), slice(2000, 4000), slice(4000, None)])
+def test_a_foot_whose_sensor_stops_while_joints_move_spoils_its_log(times, span):
+    time, channels = healthy(np.random.default_rng(7))
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        channels[f"ft.l_foot.{axis}"][span] = times * channels[f"ft.l_foot.{axis}"][span][0]
+    (found,) = (f for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error")
+    assert (found.rule, found.channel) == ("wrench_stands", "ft.l_foot")
+    first, last = time[span][[0, -1]]
+    assert f"{first:.4g} to {last:.4g} s" in found.detail
+
+
+def test_one_force_that_drops_to_nothing_spoils_its_log():
+    time, channels = healthy(np.random.default_rng(7))
+    channels["ft.r_foot.fz"][1000:3000] = 0.0
+    found = {(f.rule, f.channel) for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error"}
+    assert found == {("wrench_stands", "ft.r_foot.fz")}
+
+
+def step_aside(channels: Channels, foot: str, steps: list[slice]) -> None:
+    """The foot is in the air and reads exactly nothing; the other bears what both did."""
+    other = {"l_foot": "r_foot", "r_foot": "l_foot"}[foot]
+    for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
+        for span in steps:
+            channels[f"ft.{other}.{axis}"][span] += channels[f"ft.{foot}.{axis}"][span]
+            channels[f"ft.{foot}.{axis}"][span] = 0.0
+
+
+@pytest.mark.parametrize("steps", [[slice(2000, 4000)], [slice(k, k + 150) for k in range(300, 5700, 300)]])
+def test_a_foot_in_the_air_that_reads_nothing_is_not_taken_for_dead(steps):
+    time, channels = healthy(np.random.default_rng(7))
+    step_aside(channels, "l_foot", steps)
+    assert not {f.rule for f in examine(Log("log", time, channels), EXPECTED)} & {"wrench_stands"}
+
+
+def test_a_foot_that_stands_still_with_all_joints_is_not_taken_for_dead():
+    """A simulator without noise: while nothing moves, nothing changes."""
+    time, channels = healthy(np.random.default_rng(7))
+    for values in channels.values():
+        values[2000:4000] = values[2000]
+    assert not [f for f in examine(Log("log", time, channels), EXPECTED) if f.severity == "error"]
+
+
+def swaying(lever: float, hz: float, degrees: float, gyro: float = 1.0) -> Log:
+    """The IMU of a base that pitches about a point so far below it."""
+    rng, time = np.random.default_rng(3), np.arange(SAMPLES) / RATE
+    w = 2.0 * np.pi * hz
+    pitch = np.radians(degrees) * np.sin(w * time)
+    rate, acceleration = w * np.radians(degrees) * np.cos(w * time), -(w**2) * pitch
+    acc = [lever * acceleration - 9.81 * np.sin(pitch), 0.0 * time, 9.81 * np.cos(pitch) - lever * rate**2]
+    channels = {
+        f"acc.{axis}": each + 0.05 * rng.standard_normal(SAMPLES) for axis, each in zip("xyz", acc, strict=True)
+    }
+    for axis, each in zip("xyz", (0.0 * time, rate, 0.0 * time), strict=True):
+        channels[f"gyro.{axis}"] = gyro * each + 0.002 * rng.standard_normal(SAMPLES)
+    return Log("log", time, channels)
+
+
+@pytest.mark.parametrize("degrees", [3.0, 10.0])
+@pytest.mark.parametrize(("lever", "hz"), [(1.0, 0.39), (1.0, 0.8), (1.2, 0.5), (-0.5, 0.5), (-0.4, 0.9)])
+def test_a_base_that_accelerates_as_it_turns_about_its_ankles_or_a_hook_has_no_gyro_in_doubt(lever, hz, degrees):
+    assert [f.rule for f in examine(swaying(lever, hz, degrees)) if f.channel == "gyro"] == []
+
+
+@pytest.mark.parametrize(("gyro", "rule"), [(0.5, "gyro_scale"), (2.0, "gyro_scale"), (-1.0, "gyro_sign")])
+def test_a_gyro_that_is_off_by_more_than_that_is_told(gyro, rule):
+    assert [f.rule for f in examine(swaying(0.3, 0.25, 10.0, gyro)) if f.channel == "gyro"] == [rule]
+
+
+@pytest.mark.parametrize("gyro", [0.0, 1.0])
+@pytest.mark.parametrize(("hz", "degrees"), [(0.2, 6.0), (0.3, 10.0)])
+def test_a_gyro_of_noise_alone_is_an_error_where_no_sway_on_a_level_base_moves_gravity_so_far(hz, degrees, gyro):
+    found = [(f.severity, f.rule) for f in examine(swaying(0.3, hz, degrees, gyro)) if f.channel == "gyro"]
+    assert found == ([("error", "gyro_still")] if gyro == 0.0 else [])
+
+
+def test_a_base_that_sways_level_is_asked_for_not_blamed():
+    """5 cm at 0.5 Hz, and no rotation at all: no gyro tells more than its noise."""
+    rng, log = np.random.default_rng(3), swaying(0.0, 0.5, 0.0)
+    shifts = 0.05 * (np.pi**2) * np.sin(np.pi * log.time)
+    log = replace(log, channels=log.channels | {"acc.x": shifts + 0.05 * rng.standard_normal(SAMPLES)})
+    found = [(f.severity, f.rule) for f in examine(log) if f.channel == "gyro"]
+    assert found == [("warning", "gyro_still")]
 
 
 def test_where_degrees_and_the_motors_side_both_stay_within_limits_neither_is_chosen():

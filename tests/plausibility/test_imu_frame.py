@@ -11,8 +11,8 @@ import pytest
 from tests.fuzz.small_robots import simulated_logs, write_study
 from tests.plausibility.test_examine import as_log
 
-from exogauge.logs.body_rules import gyro_against_tilt
 from exogauge.logs.findings import Expectation, Finding
+from exogauge.logs.gyro_rules import gyro_against_tilt
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.robot_file import load_robot

@@ -67,6 +67,38 @@ def test_one_of_several_is_neither_fitted_nor_judged_by(
             assert size < 3.0 * float(np.hypot(now[constant]["std"], then[constant]["std"])), (then["joint"], constant)
 
 
+def stopped(columns: Columns) -> Columns:
+    """The plate tells nothing for a third of the log."""
+    there = ~((columns["t"] > 5.0) & (columns["t"] < 12.0))
+    return {name: values * there if name.startswith("ft.") else values for name, values in columns.items()}
+
+
+def test_a_log_whose_foot_is_dead_for_a_third_of_it_is_neither_fitted_nor_judged_by(tmp_path: Path) -> None:
+    found = evaluated(tmp_path, recorded(True) | {"id_1": stopped(recorded(True)["id_1"])}, True)
+    (told,) = [each for each in found["notices"] if each["code"] == "logs_spoiled"]
+    assert told["names"] == ["id_1"]
+    assert "ft.plate" in told["sentence"]
+    assert "5.01 to 11.99 s" in told["sentence"]
+    for entry in found["identification"]["validation"]:
+        assert entry["log"] != "id_1"
+    errors = {each["channel"] for each in found["doctor"] if each["severity"] == "error"}
+    assert errors == {"ft.plate"}
+    assert found["discrepancy"]["findings"] == []
+
+
+def unmoved(columns: Columns) -> Columns:
+    noise = np.random.default_rng(5).standard_normal((3, len(columns["t"])))
+    return columns | {f"gyro.{axis}": 0.002 * each for axis, each in zip("xyz", noise, strict=True)}
+
+
+def test_a_log_whose_gyro_tells_noise_alone_is_neither_fitted_nor_judged_by(tmp_path: Path) -> None:
+    found = evaluated(tmp_path, recorded(True) | {"id_1": unmoved(recorded(True)["id_1"])}, True)
+    (told,) = [each for each in found["notices"] if each["code"] == "logs_spoiled"]
+    assert told["names"] == ["id_1"]
+    assert "gyro tells no more than noise" in told["sentence"]
+    assert found["discrepancy"]["findings"] == []
+
+
 def rippled(columns: Columns) -> Columns:
     """With an effect that the search names where no log is spoiled."""
     return columns | {"i.j3": columns["i.j3"] + 0.15 * np.sin(9.0 * columns["q.j3"])}
@@ -77,7 +109,8 @@ def exchanged(columns: Columns) -> Columns:
 
 
 @pytest.mark.parametrize(
-    ("floating", "spoil", "channel"), [(False, dead, "q.j2"), (True, dead, "q.j2"), (True, exchanged, "i.j3")]
+    ("floating", "spoil", "channel"),
+    [(False, dead, "q.j2"), (True, dead, "q.j2"), (True, exchanged, "i.j3"), (True, stopped, "ft.plate")],
 )
 def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decided(
     floating: bool, spoil: Callable[[Columns], Columns], channel: str, tmp_path: Path

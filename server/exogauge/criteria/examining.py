@@ -59,6 +59,18 @@ class Examining:
     frozen_s: float = criterion(
         0.25, "s", "at one value, of a channel that changes all the time, before it is told", judgement(RULES)
     )
+    frozen_share: float = criterion(
+        0.02,
+        "1",
+        "of a log, for which a wrench or an IMU may stand while joints move, before the log is spoiled",
+        judgement(RULES),
+    )
+    in_motion: float = criterion(
+        0.1, "1", "of a position's range, from which on a joint moved meanwhile", judgement(RULES)
+    )
+    unloaded: float = criterion(
+        0.2, "1", "of the weight: a foot that reads less is in the air where the others bear the rest", judgement(RULES)
+    )
     alive: float = criterion(
         0.2, "1", "of the samples may repeat in a channel that is expected to change all the time", judgement(RULES)
     )
@@ -128,6 +140,24 @@ class Examining:
         0.2, "1", "variation of the slow acceleration up to which its direction is that of gravity", judgement(RULES)
     )
     tilt_rate: float = criterion(0.02, "rad/s", "rms: slower tilting says nothing about the gyro", judgement(RULES))
+    levers_m: tuple[float, float] = criterion(
+        (1.5, 1.0),
+        "m",
+        "below and above the IMU, to the point about which a base turns at most: a humanoid's ankles, a crane's hook",
+        judgement(RULES),
+    )
+    gyro_noise: float = criterion(
+        3.0,
+        "1",
+        "times what white noise, as seen above the motion, has below tilt_hz: a gyro that tells no more tells nothing",
+        measured("a gyro that turns: 54 at the least, a simulated body at 0.02 rad/s; a walking iCub 61"),
+    )
+    level_m: float = criterion(
+        0.1,
+        "m",
+        "rms, by which a base may sway without turning at all: beyond, gravity did turn in the accelerometer",
+        judgement(RULES),
+    )
     gyro_unlike: float = criterion(
         0.5, "1", "likeness with gravity's motion below which the gyro's axes are in doubt", judgement(RULES)
     )

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import g
 
-from exogauge.criteria.examining import Examining
-from exogauge.logs.derivatives import differentiate
-from exogauge.logs.filtering import LowPass
-from exogauge.logs.findings import Expectation, Finding
+from exogauge.logs.findings import ACC, GYRO, Expectation, Finding, vector
 from exogauge.logs.model import Log
-from exogauge.logs.resampling import is_even
 from exogauge.logs.units import UNITS
 
 Array = NDArray[np.float64]
 
-ACC, GYRO = ("acc.x", "acc.y", "acc.z"), ("gyro.x", "gyro.y", "gyro.z")
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 1000.0}
 
 
 def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
     """|acc| while the body turns least must be 9.81 m/s²."""
-    acc = _vector(log, ACC)
+    acc = vector(log, ACC)
     if acc is None:
         return
     size = float(np.median(np.linalg.norm(acc[_at_rest(log, acc, expected.criteria.resting)], axis=1)))
@@ -43,80 +37,6 @@ def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
     else:
         advice = "check its unit and calibration, and that the body really rests at times"
         yield Finding("warning", "acc", "acceleration_scale", detail, advice, value=size)
-
-
-def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """The gyro must explain how gravity's direction n moves in the IMU: n x dn/dt = -(w - n (n.w))."""
-    acc, gyro = _vector(log, ACC), _vector(log, GYRO)
-    if acc is None or gyro is None or not is_even(log.time) or log.rate_hz < 10.0 * expected.criteria.tilt_hz:
-        return
-    low_pass = LowPass(expected.criteria.tilt_hz, log.rate_hz)
-    if log.samples < 4 * low_pass.settle_samples:
-        return
-    slow = low_pass.apply(acc)
-    size = np.linalg.norm(slow, axis=1)
-    if np.std(size) > expected.criteria.steady * np.mean(size):
-        return  # no gravity in it, or too much else: another rule's business
-    up = slow / size[:, None]
-    seen = -np.cross(up, differentiate(up, log.rate_hz))
-    inner = slice(low_pass.settle_samples, -low_pass.settle_samples)
-    whole, up, seen = low_pass.apply(gyro)[inner], up[inner], seen[inner]
-    omega = _across(up, whole)
-    if np.sqrt(np.mean(seen**2)) < expected.criteria.tilt_rate or not omega.any():
-        return
-    likeness = _likeness(seen, omega)
-    gain = float(np.linalg.norm(omega) / np.linalg.norm(seen)) * float(np.sign(likeness))
-    if likeness > 0.8 and 40.0 < gain < 80.0:
-        detail = f"turns {gain:.3g} times faster than gravity's direction in the accelerometer"
-        yield Finding(
-            "error", "gyro", "gyro_in_degrees", detail, "declare the unit as deg/s in the mapping", value=gain
-        )
-    elif likeness < -0.8:
-        detail = "turns against the way gravity's direction moves in the accelerometer"
-        advice = "one of the two has its sign or its frame reversed"
-        yield Finding("error", "gyro", "gyro_sign", detail, advice, value=gain)
-    elif likeness > 0.8 and not 0.7 < gain < 1.4:
-        detail = f"turns {gain:.3g} times as fast as gravity's direction in the accelerometer"
-        yield Finding("warning", "gyro", "gyro_scale", detail, "check its unit and scale", value=gain)
-    elif (
-        likeness < expected.criteria.gyro_unlike
-        and (axes := _gyro_axes(up, seen, whole, expected.criteria)) is not None
-    ):
-        detail = f"does not turn as gravity's direction in the accelerometer does (likeness {likeness:.2f})"
-        advice = f"in a mapping, take for gyro {axes}, or exchange those of acc"
-        yield Finding("error", "gyro", "gyro_frame", detail, advice, value=likeness)
-
-
-def _gyro_axes(up: Array, seen: Array, gyro: Array, criteria: Examining) -> str | None:
-    """The exchange of its axes with which the gyro explains what is seen, where one does and no other nearly as well.
-
-    All 48 are tried: of three axes one may have its sign reversed. Of a body that stays upright the vertical axis says
-    nothing; then of two that differ in one sign the right-handed one is taken.
-    """
-    found = [
-        (_likeness(seen, _across(up, gyro[:, order] * signs)), order, signs)
-        for order in permutations(range(3))
-        for signs in product((1.0, -1.0), repeat=3)
-    ]
-    best = max(likeness for likeness, *_ in found)
-    near, doubt = [each for each in found if criteria.more_alike * (1.0 - each[0]) <= 1.0 - best], ""
-    if len(near) == 2:
-        doubt = " (one sign, which these logs cannot tell, by the right hand)"
-        near = [each for each in near if np.linalg.det(np.eye(3)[list(each[1])]) * np.prod(each[2]) > 0.0]
-    if best < criteria.gyro_alike or len(near) != 1:
-        return None
-    _, order, signs = near[0]
-    source = [f"{'-' if sign < 0.0 else ''}{'xyz'[k]}" for k, sign in zip(order, signs, strict=True)]
-    return ", ".join(f"{axis} := {each}" for axis, each in zip("xyz", source, strict=True)) + doubt
-
-
-def _across(up: Array, omega: Array) -> Array:
-    """What of an angular velocity moves gravity's direction."""
-    return np.asarray(omega - up * np.sum(up * omega, axis=1)[:, None])
-
-
-def _likeness(seen: Array, omega: Array) -> float:
-    return float(np.sum(seen * omega) / (np.linalg.norm(seen) * np.linalg.norm(omega) + 1e-12))
 
 
 def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -172,16 +92,8 @@ def _weight_elsewhere(
     yield Finding("warning", "ft.*", "weight_differs", detail, advice, value=ratio)
 
 
-def _vector(log: Log, names: tuple[str, str, str]) -> Array | None:
-    """(T, 3), or None where a column or a value is missing."""
-    if not log.has(*names):
-        return None
-    vector = log.stack(names)
-    return vector if np.isfinite(vector).all() and vector.any() else None
-
-
 def _at_rest(log: Log, acc: Array, resting: float) -> NDArray[np.bool_]:
     """(T,) the samples with the least rotation; without a gyro, those with the least change of acceleration."""
-    gyro = _vector(log, GYRO)
+    gyro = vector(log, GYRO)
     activity = np.linalg.norm(np.gradient(acc, axis=0) if gyro is None else gyro - np.median(gyro, axis=0), axis=1)
     return np.asarray(activity <= np.quantile(activity, resting))

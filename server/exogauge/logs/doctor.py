@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exogauge.logs import body_rules, joint_rules, signal_rules
+from exogauge.logs import body_rules, contact_rules, gyro_rules, joint_rules, signal_rules
 from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity, kind_of
 from exogauge.logs.model import Log
 
@@ -28,8 +28,10 @@ RULES: tuple[Rule, ...] = (
     joint_rules.current_in_milliamperes,
     joint_rules.velocity_is_another,
     body_rules.gravity_at_rest,
-    body_rules.gyro_against_tilt,
+    gyro_rules.gyro_against_tilt,
+    gyro_rules.gyro_still,
     body_rules.feet_carry_the_weight,
+    contact_rules.contact_stands,
 )
 CONSEQUENCES = ("noisier_than_declared",)  # said only where nothing else is wrong: a wrong unit scales the noise too
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "note": 2}

@@ -13,6 +13,7 @@ from exogauge.criteria.examining import Examining
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
+ACC, GYRO = ("acc.x", "acc.y", "acc.z"), ("gyro.x", "gyro.y", "gyro.z")
 Severity = Literal["error", "warning", "note"]
 
 
@@ -82,6 +83,21 @@ def varies(values: Array) -> bool:
     """Whether the finite values differ by more than round-off."""
     finite = values[np.isfinite(values)]
     return bool(finite.size and np.ptp(finite) > 1e-12 * np.max(np.abs(finite)))
+
+
+def vector(log: Log, names: tuple[str, str, str]) -> Array | None:
+    """(T, 3), or None where a column or a value is missing."""
+    if not log.has(*names):
+        return None
+    values = log.stack(names)
+    return values if np.isfinite(values).all() and values.any() else None
+
+
+def joints_move(log: Log, span: slice, criteria: Examining) -> bool:
+    """Whether any position goes through a good part of its range there."""
+    return any(
+        np.ptp(values[span]) > criteria.in_motion * np.ptp(values) for values in joint_channels(log, "q").values()
+    )
 
 
 def first_row(flags: NDArray[np.bool_]) -> int:

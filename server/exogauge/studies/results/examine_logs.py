@@ -32,7 +32,7 @@ from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
 
-OF_THE_BASE = ("acc", "gyro", "ft.*", "t")  # where these are wrong, so is what every joint should bear
+OF_THE_BASE = ("acc", "gyro", "ft", "t")  # where these are wrong, so is what every joint should bear
 SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
     "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
     "couple_first", "degrees", "motor_side", "jumps_by_a_turn",
@@ -52,7 +52,7 @@ def examine_logs(
     examined = side_by_side(partial(examine, expectation=expected), logs)
     alone = [(log.name, finding) for log, findings in zip(logs, examined, strict=True) for finding in findings]
     errors = [(log, finding) for log, finding in alone if finding.severity == "error"]
-    doubtful = {log for log, finding in errors if finding.channel in OF_THE_BASE}
+    doubtful = {log for log, finding in errors if kind_of(finding.channel) in OF_THE_BASE}
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
     if any(finding.rule in SLIPS for _, finding in errors):
         trusted = []
