@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import math
 import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+import numpy as np
 from playwright.sync_api import expect
 from tests.e2e.arm import arm_study
 from tests.e2e.test_studies_page import drop
@@ -103,3 +105,33 @@ def test_a_mapping_can_be_written_as_text(page: Page) -> None:
         "  columns:\n    elbow_pos: {channel: q.elbow, unit: deg}\n"
     )
     expect(page.get_by_text("This makes a log of 1 channel")).to_be_visible()
+
+
+def test_an_array_of_all_joints_is_taken_as_suggested(page: Page, screenshot: Callable[[str], None]) -> None:
+    links = "".join(
+        f'<joint name="{joint}" type="revolute"><parent link="{parent}"/><child link="of_{joint}"/>'
+        '<origin xyz="0 0 0.3"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="9" effort="50"/></joint>'
+        f'<link name="of_{joint}"><inertial><origin xyz="0.1 0 0.1"/><mass value="2"/>'
+        '<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial></link>'
+        for joint, parent in (("upper", "base"), ("fore", "of_upper"))
+    )
+    robot = (
+        "version: 1\nname: Two joints\nurdf: robot.urdf\nbase: fixed\nbase_link: base\n"
+        "joints:\n- {name: upper, actuation: torque}\n- {name: fore, actuation: torque}\n"
+    )
+    t = np.arange(2000) / 100.0
+    q = np.stack([np.sin(t), 0.7 * np.sin(2.1 * t)], axis=1)
+    packed = io.BytesIO()
+    np.savez(packed, t=t, joint_pos=q, joint_torques=(5.0 * np.sin(q)).T, joint_names=np.array(["upper", "fore"]))
+    page.goto("/robots")
+    page.get_by_role("button", name="Choose files").wait_for()
+    urdf = f'<robot name="two"><link name="base"/>{links}</robot>'
+    drop(page, {"robot.yaml": robot.encode(), "robot.urdf": urdf.encode()})
+    page.get_by_role("link", name="Import a log of it").click()
+    expect(page.get_by_role("heading", name="Drop a log")).to_be_visible()
+    drop(page, {"run.npz": packed.getvalue()})
+    page.get_by_role("button", name="Take 2 suggestions").click()
+    expect(page.get_by_label("Unit of joint_pos")).to_have_value("rad")
+    page.get_by_role("button", name="Ignore the open one").click()
+    expect(page.get_by_text("This makes a log of 4 channels")).to_be_visible()
+    screenshot("import-arrays")

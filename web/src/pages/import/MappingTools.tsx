@@ -13,11 +13,10 @@ export function MappingTools({ preview, whole, set }: Props) {
     if (made) set(made);
   };
   const open = preview.columns.filter(({ name }) => (whole.columns[name]?.means ?? "") === "");
-  const guesses = open.filter((column) => column.suggestion);
+  const proposed = choicesOf(preview.proposal as Mapping, preview)?.columns ?? {};
+  const guesses = open.filter(({ name }) => (proposed[name]?.means ?? "") !== "");
   const takeGuesses = () => {
-    const proposed = choicesOf(preview.proposal as Mapping, preview);
-    if (!proposed) return;
-    const added = Object.fromEntries(guesses.map(({ name }) => [name, proposed.columns[name] ?? NOTHING]));
+    const added = Object.fromEntries(guesses.map(({ name }) => [name, proposed[name] ?? NOTHING]));
     set({ ...whole, columns: { ...whole.columns, ...added } });
   };
   const ignoreRest = () => {
