@@ -47,7 +47,7 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 position=q[:, place],
                 velocity=dq[:, place],
                 acceleration=ddq[:, place],
-                direction=prepared.raw_direction[:, axis],
+                direction=prepared.raw_direction[:, axis].astype(np.float64),
                 drive=drive[:, place],
                 load=load[:, place],
                 temperature=temperature,

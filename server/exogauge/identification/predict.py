@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import TOLD, Equations
-from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
+from exogauge.identification.preparation import BASE_CHANNELS, Prepared, drive_on_axes, wrench_channels, wrenches
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
@@ -50,9 +50,9 @@ def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> M
     """Unfiltered base wrench (from the contact sensors), joint torques k_T u, or the torques as logged, and readings of
     the sensors that carry bodies."""
     robot = equations.robot
-    wrench = equations.outside(replace(prepared, wrenches=prepared.raw_wrenches))[:, equations.layout.base]
+    wrench = equations.acting(prepared, wrenches(robot.contacts, prepared.log))[:, equations.layout.base]
     channels = dict(zip(BASE_CHANNELS, wrench.T, strict=True)) if robot.floating else {}
-    torque = robot.on_joints(prepared.raw_drive * k_T)
+    torque = robot.on_joints(drive_on_axes(robot, prepared.log) * k_T)
     for index, joint in enumerate(robot.joints):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque[:, index]
@@ -77,7 +77,7 @@ def predictions(
     At rest static friction is τ_s with the sign of the low-passed residual torque ([Evaluator] (8)-(9)): there the
     prediction knows from the measurement which way the joint sticks, and nothing more.
     """
-    view, axes = prepared.as_stored, equations.layout.told.axes
+    view, axes = prepared.as_stored(equations.robot), equations.layout.told.axes
     gains = [k for k, effect in enumerate(equations.effects) if effect.name == "motor_gain"]
     others = []
     for each in alternatives:

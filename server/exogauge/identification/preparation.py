@@ -70,9 +70,9 @@ class Prepared:
     stops and turns, where a joint may stick for longer than a low-passed velocity can show.
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     carried: (T, C, 6) what holds and moves the bodies beyond each sensor that carries some, in its frame, filtered.
-    raw_drive, raw_direction, raw_wrenches, raw_carried: not filtered.
+    raw_direction: (T, A) int8 sgn_ε of the axis velocity, not filtered.
     stored_direction, stored_rest: (T, A) raw_direction and 1 - |raw_direction|, through what the drive had passed
-    before it was stored.
+    before it was stored; None where it had passed nothing.
     kept: samples that enter a fit (settled ends and `Log.left_out` left out, decimated).
     left_out: (T,) bool, samples that feel what happened in `Log.left_out`; no axis is steady there.
     smeared: (T, told rows) what the low-pass before the log was stored has made of the bodies' load (`smear`).
@@ -92,13 +92,10 @@ class Prepared:
     rest: Array
     steady: NDArray[np.bool_]
     wrenches: Array
-    raw_drive: Array
-    raw_direction: Array
-    stored_direction: Array
-    stored_rest: Array
-    raw_wrenches: Array
+    raw_direction: NDArray[np.int8]
+    stored_direction: Array | None
+    stored_rest: Array | None
     carried: Array
-    raw_carried: Array
     kept: NDArray[np.intp]
     left_out: NDArray[np.bool_]
     smeared: Array
@@ -129,16 +126,14 @@ class Prepared:
     def low_passed(self) -> View:
         return View(self.drive, self.axis_velocity, self.axis_acceleration, self.direction, self.rest, self.added)
 
-    @property
-    def as_stored(self) -> View:
+    def as_stored(self, robot: Robot) -> View:
         """With the drive, the signs and the added columns as they are without the common low-pass."""
-        return replace(
-            self.low_passed,
-            drive=self.raw_drive,
-            direction=self.stored_direction,
-            rest=self.stored_rest,
-            added=self.raw_added,
-        )
+        direction, rest = self.stored_direction, self.stored_rest
+        if direction is None or rest is None:
+            direction = self.raw_direction.astype(np.float64)
+            rest = 1.0 - np.abs(direction)
+        drive = drive_on_axes(robot, self.log)
+        return replace(self.low_passed, drive=drive, direction=direction, rest=rest, added=self.raw_added)
 
 
 def needed_channels(robot: Robot) -> tuple[str, ...]:
@@ -197,14 +192,16 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         raise BadLog(Fault(detail, "rate_too_low", advice, log.name, column="t"))
     low_pass = LowPass(cutoff_hz, log.rate_hz)
     wide, own = widened(log)
+
+    def filtered_wrenches(sensors: Sequence[WrenchSensor]) -> Array:
+        raw = wrenches(sensors, wide)
+        return low_pass.apply(raw.reshape(wide.samples, -1)).reshape(raw.shape)
+
     names = [joint.name for joint in robot.joints]
     raw_q = wide.stack([f"q.{name}" for name in names])
     q = low_pass.apply(raw_q)
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
     acc, gyro, gyro_dot = base_motion(robot, wide, low_pass)
-    raw_drive = _drive_on_axes(robot, wide)
-    raw_wrenches = _wrenches(robot.contacts, wide)
-    raw_carried = -_wrenches(robot.cuts, wide)
     turns = TurnsOf(robot, wide, at_rest).behind(log.stored)
     alike = replace(low_pass, stored=log.stored)
     smooth_direction = low_pass.apply(turns.stored_direction)
@@ -222,20 +219,17 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         log=log,
         low_pass=alike,
         motion=motion.rows(own),
-        drive=low_pass.apply(raw_drive)[own],
+        drive=low_pass.apply(drive_on_axes(robot, wide))[own],
         axis_velocity=axis_velocity[own],
         axis_acceleration=axis_acceleration[own],
         direction=smooth_direction[own],
         rest=low_pass.apply(turns.stored_rest)[own],
         steady=~(turning[own] | left_out[:, None]),
-        wrenches=low_pass.apply(raw_wrenches.reshape(wide.samples, -1)).reshape(raw_wrenches.shape)[own],
-        raw_drive=raw_drive[own],
-        raw_direction=turns.direction[own],
-        stored_direction=turns.stored_direction[own],
-        stored_rest=turns.stored_rest[own],
-        raw_wrenches=raw_wrenches[own],
-        carried=low_pass.apply(raw_carried.reshape(wide.samples, -1)).reshape(raw_carried.shape)[own],
-        raw_carried=raw_carried[own],
+        wrenches=filtered_wrenches(robot.contacts)[own],
+        raw_direction=turns.direction[own].astype(np.int8),
+        stored_direction=None if log.stored is None else turns.stored_direction[own],
+        stored_rest=None if log.stored is None else turns.stored_rest[own],
+        carried=-filtered_wrenches(robot.cuts)[own],
         kept=kept[~left_out[kept]],
         left_out=left_out,
         added=added,
@@ -269,8 +263,8 @@ def require_even_clock(log: Log, longest_step: float) -> None:
         raise BadLog(Fault(detail, "time_gap", "Cut the log at its gaps or resample it.", log.name, row, "t"))
 
 
-def _drive_on_axes(robot: Robot, log: Log) -> Array:
-    """(T, A): motor currents belong to axes already; joint torques are brought there by C^{-T}."""
+def drive_on_axes(robot: Robot, log: Log) -> Array:
+    """(T, A) not filtered: motor currents belong to axes already; joint torques are brought there by C^{-T}."""
     drive = np.zeros((log.samples, len(robot.joints)))
     torque = np.array([joint.actuation == "torque" for joint in robot.joints])
     for index, joint in enumerate(robot.joints):
@@ -282,12 +276,12 @@ def _drive_on_axes(robot: Robot, log: Log) -> Array:
     return drive
 
 
-def _wrenches(sensors: Sequence[WrenchSensor], log: Log) -> Array:
-    """(T, S, 6)"""
-    wrenches = np.zeros((log.samples, len(sensors), 6))
+def wrenches(sensors: Sequence[WrenchSensor], log: Log) -> Array:
+    """(T, S, 6) as `Prepared.wrenches`, not filtered."""
+    found = np.zeros((log.samples, len(sensors), 6))
     for index, sensor in enumerate(sensors):
-        wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
-    return wrenches
+        found[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
+    return found
 
 
 def base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:

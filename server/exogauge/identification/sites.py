@@ -16,7 +16,7 @@ from exogauge.identification.added_columns import COMPONENTS, kinds_of_body
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
-from exogauge.identification.preparation import Prepared
+from exogauge.identification.preparation import Prepared, wrenches
 from exogauge.identification.thinned import at_all, thinned
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.robots.description import Robot, WrenchSensor
@@ -94,7 +94,7 @@ class SensorSite:
         sign = self.of(model.robot).sign
         own = slice(6 * self.sensor, 6 * self.sensor + 6)
         if self.contact:
-            expected = sign * prepared.raw_wrenches[:, self.sensor]
+            expected = sign * wrenches([self.of(model.robot)], prepared.log)[:, 0]
         else:
             expected = -sign * carried(model, prepared)[:, own]
         number = model.order.get(prepared.log.name, -1)
@@ -120,7 +120,7 @@ class SensorSite:
         """(T, 6, kinds) what a reading that is too much by one in each component takes off the rows; nothing where a
         component is a constant, as nobody measured it: what is missing then is that one."""
         own = equations.layout.in_told(self.kinds(equations))
-        if not np.all(np.ptp(prepared.raw_wrenches[:, self.sensor], axis=0) > 0.0):
+        if not np.all(np.ptp(wrenches([self.of(equations.robot)], prepared.log), axis=0) > 0.0):
             return np.zeros((prepared.log.samples, 6, len(own)))
         felt = equations.acting_components(prepared, self.sensor)[:, :, own]
         felt *= -self.of(equations.robot).sign
@@ -150,7 +150,7 @@ class BaseSite:
         acc, gyro, gyro_dot = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
         time = prepared.log.time - prepared.log.time[0]
         still = (motion.acc, motion.gyro, motion.gyro_dot)
-        imu, feet = model.robot.T_base_imu, prepared.raw_wrenches
+        imu, feet = model.robot.T_base_imu, wrenches(model.robot.contacts, prepared.log)
         place = np.zeros(3) if imu is None else imu.translation
         feel = bool(feet.size) and bool(np.all(np.ptp(feet, axis=0) > 0.0))
         floating = model.robot.floating

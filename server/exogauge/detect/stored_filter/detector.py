@@ -272,7 +272,7 @@ def _floor_of(model: RobotModel, limited: Sequence[Recording], channel: str) -> 
     return "seen" if all(each[f"{drive}.{joint.name}"] is not None for each in behind) else "rounding"
 
 
-def turn_evidence(pairs: Sequence[tuple[Array, Array, Array, Array]]) -> Evidence:
+def turn_evidence(pairs: Sequence[tuple[Array, Array, Array, NDArray[np.int8]]]) -> Evidence:
     """Mean residuals counted along the motion after the turn. pairs: of each log (T,) time, what the model before and
     after lacks, and the sign of the velocity.
 

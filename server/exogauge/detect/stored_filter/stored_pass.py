@@ -136,7 +136,7 @@ class _Trials:
 
 
 def _without_jumps(prepared: Prepared) -> Prepared:
-    nothing = np.zeros_like(prepared.stored_direction)
+    nothing = np.zeros(prepared.raw_direction.shape)
     return replace(prepared, stored_direction=nothing, stored_rest=nothing)
 
 
