@@ -62,6 +62,15 @@ def test_a_gain_is_news_by_its_distance_from_what_is_stated() -> None:
     assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02)), JUDGING) is None
 
 
+def test_a_base_that_leans_by_nothing_is_no_name_for_a_pull_at_its_first_joint() -> None:
+    """A spring there that the catalogue does not have left 0.99 N·m with the cosine of the angle."""
+    pull, none = {"first_sin": (-0.15, 0.036), "first_cos": (0.99, 0.072)}, (2.5e-5, 2.3e-5)
+    upright = refused(finding("base_tilt", 2.0, 1.0, about_x=none, about_y=none, **pull), JUDGING)
+    assert upright is not None
+    assert set(upright.sizes) == {"about_x", "about_y"}
+    assert refused(finding("base_tilt", 2.0, 1.0, about_x=none, about_y=(2e-3, 2e-5), **pull), JUDGING) is None
+
+
 def test_one_part_of_a_wave_may_be_zero_and_not_both() -> None:
     assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1)), JUDGING) is None
     nothing = refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)), JUDGING)

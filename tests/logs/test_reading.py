@@ -293,7 +293,7 @@ def test_a_dataset_that_claims_eight_terabytes_is_refused_unread(tmp_path: Path)
 
 
 def test_pickled_objects_are_refused(tmp_path: Path) -> None:
-    np.savez(tmp_path / "a.npz", t=np.array([{}, 1], dtype=object))
+    np.savez(tmp_path / "a.npz", t=np.array([{}, 1], dtype=object), **{"q.a": np.zeros(2)})
     assert "objects" in faults(tmp_path / "a.npz")[0].advice
 
 

@@ -91,21 +91,25 @@ def test_a_leg_with_a_wrong_sign_is_no_exchange(robot: Robot, logs: list[Log]) -
     assert {(channel, rule) for _, channel, rule in said(robot, turned)} == {("tau.left_leg", "effort_reversed")}
 
 
+@pytest.mark.parametrize(
+    ("kinds", "channel", "rule"), [(("ft",), "ft.*", "wrench_clock"), (("acc", "gyro"), "acc", "imu_clock")]
+)
 @pytest.mark.parametrize("milliseconds", [-150, 120, 300])
-def test_feet_of_another_clock_are_told_with_the_time_and_nothing_else(
+def test_feet_or_an_imu_of_another_clock_are_told_with_the_time_and_nothing_else(
     robot: Robot,  # noqa: F811
     logs: list[Log],
     milliseconds: int,
+    kinds: tuple[str, ...],
+    channel: str,
+    rule: str,
 ) -> None:
     def late(log: Log) -> Log:
         shift = milliseconds // 5  # samples
-        read = {name: np.roll(each, shift) if name.startswith("ft.") else each for name, each in log.channels.items()}
+        read = {name: np.roll(each, shift) if name.startswith(kinds) else each for name, each in log.channels.items()}
         cut = slice(abs(shift), len(log.time) - abs(shift))
         return replace(log, time=log.time[cut], channels={name: each[cut] for name, each in read.items()})
 
     found = list(examine_against_robot(robot, [late(each) for each in logs]))
-    assert [(log, each.channel, each.rule) for log, each in found] == [
-        (each.name, "ft.*", "wrench_clock") for each in logs
-    ]
+    assert [(log, each.channel, each.rule) for log, each in found] == [(each.name, channel, rule) for each in logs]
     for _, each in found:
         assert each.value == pytest.approx(1e-3 * milliseconds, abs=max(0.015, 0.1e-3 * abs(milliseconds)))

@@ -244,6 +244,81 @@ def test_six_numbers_of_a_tool_are_no_joints() -> None:
     assert isinstance(found["actual_qd_2"], Suggestion)
 
 
+@pytest.mark.parametrize(
+    ("stem", "channel"),
+    [
+        ("Achse {} Position [rad]", "q"),
+        ("Gelenkwinkel_{} [rad]", "q"),
+        ("Drehzahl Achse {} [rad/s]", "dq"),
+        ("Istdrehmoment A{} [Nm]", "tau"),
+        ("Strom_Achse_{}", "i"),
+        ("position axe {} (rad)", "q"),
+        ("couple axe {} (N.m)", "tau"),
+        ("velocidad articulación {}", "dq"),
+        ("coppia giunto {} [Nm]", "tau"),
+        ("関節{}角度[rad]", "q"),
+        ("関節{}角速度[rad/s]", "dq"),
+        ("軸{}トルク[Nm]", "tau"),
+        ("关节{}力矩", "tau"),
+        ("轴{}电流", "i"),
+    ],
+)
+def test_a_joint_is_known_in_other_languages(stem: str, channel: str) -> None:
+    found = guess([Seen(stem.format(k), *SMALL) for k in (1, 2, 3)], ARM, {})
+    assert [each.channel for each in found.values() if isinstance(each, Suggestion)] == [
+        f"{channel}.{joint}" for joint in ("base", "upper", "fore")
+    ]
+
+
+@pytest.mark.parametrize("name", ["Zeit [s]", "Zeitstempel", "temps (s)", "temps", "tiempo", "時間[s]", "时间"])
+def test_the_time_is_known_in_other_languages(name: str) -> None:
+    found = one(name, 0.0, 10.0, step=0.01)
+    assert isinstance(found, Suggestion)
+    assert (found.channel, found.unit) == ("t", "s")
+
+
+@pytest.mark.parametrize(
+    "stem",
+    ["Sollposition_{}", "Achse {} Sollwert Winkel", "consigne couple axe {}", "関節{}角度指令", "关节{}期望位置"],
+)
+def test_what_is_asked_of_a_joint_was_not_measured_in_other_languages_either(stem: str) -> None:
+    found = guess([Seen(stem.format(k), *SMALL) for k in (1, 2, 3)], ARM, {})
+    assert all(isinstance(each, Advice) and "commanded" in each.text for each in found.values())
+
+
+@pytest.mark.parametrize("name", ["existence", "motor_temps_3", "kisten_lage_x", "listing"])
+def test_a_word_that_holds_another_languages_word_is_not_taken_for_it(name: str) -> None:
+    assert isinstance(one(name), Advice)
+
+
+def test_what_goes_out_beside_what_comes_in_was_not_measured() -> None:
+    """Both were claimed for one joint, and so neither was taken."""
+    found = guess([Seen(f"q{way}_{k}", *SMALL) for way in ("In", "Out") for k in range(3)], ARM, {})
+    assert [each.channel for each in found.values() if isinstance(each, Suggestion)] == ["q.base", "q.upper", "q.fore"]
+    assert all(isinstance(found[f"qOut_{k}"], Advice) for k in range(3))
+    alone = guess([Seen(f"enc_out_{k}", *SMALL) for k in range(3)], ARM, {})
+    assert all(isinstance(each, Suggestion) for each in alone.values())
+
+
+@pytest.mark.parametrize("stem", ["tau_ext_hat_filtered{}", "ExternalTorque[{}]", "tau_gravity_{}", "torque_ff{}"])
+def test_a_part_of_the_torque_that_a_model_tells_is_not_the_measured_one(stem: str) -> None:
+    both = [Seen(each.format(k), *SMALL) for each in ("tau_J{}", stem) for k in range(3)]
+    found = guess(both, ARM, {})
+    assert [name for name, each in found.items() if isinstance(each, Suggestion)] == [f"tau_J{k}" for k in range(3)]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_three_numbers_of_an_imu_are_its_axes(first: int) -> None:
+    stems = ("imu_state.accelerometer[{}]", "imu_state.gyroscope[{}]")
+    columns = [Seen(stem.format(first + k), -9.9, 9.9) for stem in stems for k in range(3)]
+    norms = {stems[0].format(first + k): 9.81 for k in range(3)}
+    found = [each for each in guess(columns, ARM, norms).values() if isinstance(each, Suggestion)]
+    assert [each.channel for each in found] == [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
+    assert not any(each.sure for each in found)
+    four = guess([Seen(f"imu_gyro_{k}", *SMALL) for k in range(4)], ARM, {})
+    assert all(isinstance(each, Advice) for each in four.values())
+
+
 @pytest.mark.parametrize("stem", ["PositionCmptd{}", "tau_J_d_{}", "q_d[{}]", "state.dq_d[{}]", "action.q{}"])
 def test_what_was_computed_or_desired_was_not_measured(stem: str) -> None:
     found = guess([Seen(stem.format(k), *SMALL) for k in range(3)], ARM, {})

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
+import yaml
 
-from exogauge.studies.import_log.column_words import Wearer
+from exogauge.logs.mapping import read_mapped
+from exogauge.studies.import_log.column_words import JointFacts, Wearer
 from exogauge.studies.import_log.log_preview import preview
+from exogauge.studies.intake.mapping_file import parse_mapping
+
+JOINTS = ("pan", "lift", "elbow", "wrist")
 
 
 @pytest.mark.parametrize(
@@ -28,3 +35,45 @@ def test_text_in_a_column_is_told_by_what_it_looks_like(tmp_path: Path, cell: st
     path.write_text("time,a\n" + "".join(f"{k / 100},{cell}\n" for k in range(5)))
     (found,) = (each for each in preview(path, path.name, Wearer())["columns"] if each["name"] == "a")
     assert said in found["advice"]
+
+
+@pytest.mark.parametrize("across", [False, True])
+@pytest.mark.parametrize("ending", ["npz", "h5"])
+def test_arrays_of_all_joints_are_drafted_and_read_as_they_were_written(
+    tmp_path: Path, ending: str, across: bool
+) -> None:
+    """They were left to be named by hand; a list of names or a lone value beside them kept an archive shut."""
+    rng, path = np.random.default_rng(4), tmp_path / f"log.{ending}"
+    t = np.arange(300) / 100.0
+    q, tau = rng.uniform(-1.0, 1.0, (300, 4)), rng.uniform(-30.0, 30.0, (300, 4))
+    acc = np.tile([0.0, 0.6, 9.79], (300, 1))
+    turned = {name: each.T if across else each for name, each in (("qpos", q), ("torque", tau), ("imu_acc", acc))}
+    lone = {"dt": 0.01, "joint_names": np.array(JOINTS, dtype="S")}
+    if ending == "npz":
+        np.savez(path, t=t, **turned, **lone)
+    else:
+        with h5py.File(path, "w") as target:
+            for name, values in ({"t": t} | turned | lone).items():
+                target[name] = values
+    worn = Wearer(tuple(JointFacts(name, -3.0, 3.0, 3.0) for name in JOINTS))
+    look = preview(path, path.name, worn)
+    said = look["proposal"]
+    said["files"][0]["ignore"] = ["dt", "joint_names"]
+    rules = parse_mapping(yaml.safe_dump(said).encode(), "mapping.yaml")
+    log = read_mapped({path.name: path}, rules, joints=JOINTS, motor_from_joint=np.eye(4), name="log")
+    for k, joint in enumerate(JOINTS):
+        np.testing.assert_array_equal(log.channels[f"q.{joint}"], q[:, k])
+        np.testing.assert_array_equal(log.channels[f"tau.{joint}"], tau[:, k])
+    np.testing.assert_array_equal(log.channels["acc.z"], acc[:, 2])
+    advice = {each["name"]: each["advice"] for each in look["columns"]}
+    assert "q.pan, q.lift, q.elbow, q.wrist [rad]" in advice["qpos"]
+    assert "`ignore`" in advice["dt"]
+    assert not look["mapping"]["files"][0].get("arrays"), "nothing of it is sure"
+
+
+def test_an_array_of_another_width_is_left_open(tmp_path: Path) -> None:
+    np.savez(tmp_path / "log.npz", t=np.arange(50) / 100.0, qpos=np.zeros((50, 5)))
+    worn = Wearer(tuple(JointFacts(name) for name in JOINTS))
+    look = preview(tmp_path / "log.npz", "log.npz", worn)
+    assert "arrays" not in look["proposal"]["files"][0]
+    assert "`arrays`" in next(each["advice"] for each in look["columns"] if each["name"] == "qpos")

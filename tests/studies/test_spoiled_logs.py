@@ -99,6 +99,19 @@ def test_a_log_whose_gyro_tells_noise_alone_is_neither_fitted_nor_judged_by(tmp_
     assert found["discrepancy"]["findings"] == []
 
 
+def behind(columns: Columns) -> Columns:
+    """The IMU, by 150 ms."""
+    late = {name: np.roll(each, 15) if name[:3] in ("acc", "gyr") else each for name, each in columns.items()}
+    return {name: each[15:] for name, each in late.items()}
+
+
+def test_logs_whose_imu_is_far_behind_are_not_unexplained(tmp_path: Path) -> None:
+    found = evaluated(tmp_path, {name: behind(columns) for name, columns in recorded(True).items()}, True)
+    (told,) = [each for each in found["notices"] if each["code"] == "spoiled_fit"]
+    assert "acc and gyro come 14" in told["sentence"]
+    assert found["discrepancy"]["verdict"] == "undecided"
+
+
 def rippled(columns: Columns) -> Columns:
     """With an effect that the search names where no log is spoiled."""
     return columns | {"i.j3": columns["i.j3"] + 0.15 * np.sin(9.0 * columns["q.j3"])}

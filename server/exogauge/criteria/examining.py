@@ -307,6 +307,12 @@ class Comparing:
         3.0, "samples", "a drive, a bus and a filter are late by as many, and nobody minds", judgement(RULES)
     )
     delay_least_s: float = criterion(0.015, "s", "a shorter delay is not told", judgement(RULES))
+    imu_delay_least_s: float = criterion(
+        0.1,
+        "s",
+        "the same of an IMU: `imu_delay`, which is first order in it, names a shorter one with its number",
+        measured("a small floating robot, 20, 50, 70, 100 ms late: named as 19, 48, 67, 95; from 130 ms on not named"),
+    )
     zero: float = criterion(
         8.0,
         "log likelihood",

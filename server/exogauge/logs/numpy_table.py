@@ -26,7 +26,10 @@ _FAILURES = (
 
 @final
 class NumpyTable:
-    """`names`: the arrays of the archive; the one array of an NPY file is called `array`."""
+    """`names`: the arrays of the archive; the one array of an NPY file is called `array`.
+
+    What is no table of numbers, as joints' names or a lone value, is refused once it is asked for, and never unpacked.
+    """
 
     part: tuple[int, int] | None = None
     notes: tuple[Note, ...] = ()
@@ -36,6 +39,7 @@ class NumpyTable:
         self._path = path
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._members: dict[str, str] = {}
+        self._unfit: dict[str, Fault] = {}
         try:
             if not zipfile.is_zipfile(path):
                 with path.open("rb") as stream:
@@ -61,6 +65,8 @@ class NumpyTable:
         return tuple(self._shapes)
 
     def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
+        if unfit := [self._unfit[name] for name in names if name in self._unfit]:
+            raise BadLog(unfit)
         check_cells(sum(int(np.prod(self._shapes[name], dtype=object)) for name in names), 1, self.file)
         columns: dict[str, RawArray] = {}
         try:
@@ -84,14 +90,14 @@ class NumpyTable:
         read_header = npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
         shape, _, kind = read_header(stream)
         if kind.kind not in "fiub" or kind.itemsize > 8 or len(shape) not in (1, 2) or min(shape) < 0:
-            raise BadLog(
-                Fault(
-                    f"the array holds {shorten(str(kind))} of shape {shape}, not a table of numbers",
-                    "not_a_number",
-                    "Save vectors and matrices of plain numbers (no objects).",
-                    self.file,
-                    column=shorten(name),
-                )
+            self._unfit[name] = Fault(
+                f"the array holds {shorten(str(kind))} of shape {shape}, not a table of numbers",
+                "not_a_number",
+                "Save vectors and matrices of plain numbers (no objects).",
+                self.file,
+                column=shorten(name),
             )
+            self._shapes[name] = ()
+            return
         check_cells(int(np.prod(shape, dtype=object)), 1, self.file, shorten(name))
         self._shapes[name] = tuple(int(size) for size in shape)

@@ -85,14 +85,19 @@ class OtherAxes:
 @dataclass(frozen=True)
 class Late:
     """Of one log. seconds: > 0 late. before, after: as in `Exchanged`, as it was read, and taken from that much later.
-    shift: the place of the nearest among the snapshot's lags."""
+    shift: the place of the nearest among the snapshot's lags. of_imu: the base's motion is, else the contact sensors.
+    """
 
     seconds: float
     before: float
     after: float
     shift: int
+    of_imu: bool = False
 
     def undo(self, seen: Snapshot) -> Snapshot:
+        if self.of_imu:
+            acc, gyro, gyro_dot = seen.late_imu[self.shift]
+            return replace(seen, acc=acc, gyro=gyro, gyro_dot=gyro_dot)
         return replace(seen, wrenches=seen.late_wrenches[self.shift])
 
 
@@ -173,21 +178,36 @@ def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
     return MomentUnit(best, left / swings, least / then)
 
 
-def late_contacts(robot: Robot, seen: Snapshot) -> Late | None:
-    """All of the sensors alike. None where bodies as described are not left half unasked for, or by hardly any time."""
+def late_imu_or_contacts(robot: Robot, seen: Snapshot) -> Late | None:
+    """What is late by itself: all contact sensors alike, or the IMU. None where bodies as described are not left half
+    unasked for, or by hardly any time.
+
+    Joints tell which: a base's own sway is given by both, and would as well be early in the one as late in the other.
+    """
     if not robot.tree.floating or not robot.contacts:
         return None
-    criteria, asked = seen.criteria, _asked(robot, seen)
-    given = [_given(robot, replace(seen, wrenches=each)) for each in seen.late_wrenches]
-    left = np.array([_rms([asked - each]) for each in given])
+    asked, criteria = _asked(robot, seen), seen.criteria
+    swings, shifts = _rms([_given(robot, seen)]), range(len(seen.lags))
+    if swings <= 0.0:
+        return None
+    found = list[Late]()
+    for of_imu in (False, True):
+        tried = [Late(0.0, 0.0, 0.0, shift, of_imu).undo(seen) for shift in shifts]
+        left = [_rms([(_asked(robot, each) if of_imu else asked) - _given(robot, each)]) for each in tried]
+        if late := _late(seen, np.array(left) / swings, of_imu):
+            found.append(late)
+    late = min(found, key=lambda each: each.after, default=None)
+    least = criteria.imu_delay_least_s if late and late.of_imu else criteria.delay_least_s
+    return late if late and abs(late.seconds) >= max(least, criteria.delay_samples / seen.rate_hz) else None
+
+
+def _late(seen: Snapshot, left: Array, of_imu: bool) -> Late | None:
+    """left: (LAGS,)"""
     best, at_once = int(np.argmin(left)), int(np.argmin(np.abs(seen.lags)))
-    swings = _rms([given[at_once]])
-    if best in (0, len(left) - 1) or swings <= 0.0 or left[best] > criteria.delay_far_falls * left[at_once]:
+    if best in (0, len(left) - 1) or left[best] > seen.criteria.delay_far_falls * left[at_once]:
         return None
     seconds = summit(seen.lags[best - 1 : best + 2], -(left[best - 1 : best + 2] ** 2))
-    if abs(seconds) < max(criteria.delay_least_s, criteria.delay_samples / seen.rate_hz):
-        return None
-    return Late(seconds, float(left[at_once]) / swings, float(left[best]) / swings, best)
+    return Late(seconds, float(left[at_once]), float(left[best]), best, of_imu)
 
 
 def _asked(robot: Robot, seen: Snapshot) -> Array:

@@ -22,7 +22,7 @@ from exogauge.plausibility.base_moments import (
     OtherAxes,
     contact_axes,
     exchanged_contacts,
-    late_contacts,
+    late_imu_or_contacts,
     moment_unit,
 )
 from exogauge.plausibility.dead_position import DeadPosition, dead_positions
@@ -39,6 +39,7 @@ from exogauge.side_by_side import each as side_by_side
 
 OTHER_CLOCK = "effort_clock"
 WRENCH_CLOCK = "wrench_clock"
+IMU_CLOCK = "imu_clock"
 MOVED_ZERO = "zero_moved"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
@@ -91,7 +92,7 @@ def examine_against_robot(
         for log in logs:
             yield log.name, as_exchanged(robot, sides)
     for place, one in enumerate(seen):
-        if late := late_contacts(robot, one):
+        if late := late_imu_or_contacts(robot, one):
             seen[place] = late.undo(one)
             yield one.log, as_late(late)
     if not any(joint.actuation != "none" for joint in robot.joints):
@@ -247,9 +248,14 @@ def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
 def as_late(late: Late) -> Finding:
     detail = (
         f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
-        f"{100 * late.before:.0f} % of how their moments about the base change no body asks for as it is, and "
+        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body asks for as it is, and "
         f"{100 * late.after:.0f} % so"
     )
+    if late.of_imu:
+        advice = (
+            "is the IMU of another clock? In a mapping name its file, or the file once more for it, with a `delay_s`"
+        )
+        return Finding("warning", "acc", IMU_CLOCK, f"and gyro {detail}", advice, value=late.seconds)
     advice = "are they of another clock? In a mapping name their file with a `delay_s`"
     return Finding("warning", "ft.*", WRENCH_CLOCK, detail, advice, value=late.seconds)
 

@@ -36,6 +36,7 @@ class Snapshot:
     acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
     late: (LAGS, N, J) the same, from so much later; lags: (LAGS,) [s].
+    late_imu: (LAGS, 3, N, 3) acc, gyro, gyro_dot, from so much later.
     wrenches: (N, S, 6) world on robot, in sensor frames. late_wrenches: (LAGS, N, S, 6) the same, from so much later.
     alive: (J,) bool, an effort is logged and is not one number throughout.
     zeros: (J,) share of exact zeros among a logged effort's samples in motion. still: (J,) bool, the position is one
@@ -54,6 +55,7 @@ class Snapshot:
     effort: Array
     late: Array
     lags: Array
+    late_imu: Array
     wrenches: Array
     late_wrenches: Array
     alive: NDArray[np.bool_]
@@ -70,7 +72,13 @@ class Snapshot:
     def every(self, step: int) -> Snapshot:
         """Of the moments one in `step`."""
         some = {name: getattr(self, name)[::step] for name in MOMENTS}
-        return replace(self, late=self.late[:, ::step], late_wrenches=self.late_wrenches[:, ::step], **some)
+        return replace(
+            self,
+            late=self.late[:, ::step],
+            late_imu=self.late_imu[:, :, ::step],
+            late_wrenches=self.late_wrenches[:, ::step],
+            **some,
+        )
 
 
 def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
@@ -101,7 +109,8 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
             zeros[k] = np.mean(raw[moving[:, k]] == 0.0) if moving[:, k].any() else 0.0
     far = min(round(criteria.delay_latest_s * rate), len(q) // 10)
     steps = _shifts(round(criteria.delay_far_s * rate), settle, far)
-    acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
+    imu = np.stack(base_motion(robot, log, low_pass))
+    acc, gyro, gyro_dot = imu[:, at]
     read = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name))) for sensor in robot.contacts]
     wrenches = np.stack(read, axis=1) if read else np.zeros((len(q), 0, 6))
     shifted = [np.clip(at + step, 0, len(q) - 1) for step in steps]
@@ -118,6 +127,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         effort=effort[at],
         late=np.stack([effort[each] for each in shifted]),
         lags=steps / rate,
+        late_imu=np.stack([imu[:, each] for each in shifted]),
         wrenches=wrenches[at],
         late_wrenches=np.stack([wrenches[each] for each in shifted]),
         alive=alive,

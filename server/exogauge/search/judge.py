@@ -224,7 +224,8 @@ def not_named(finding: Finding, objection: Objection) -> Alternative:
 
 def _sizes(finding: Finding) -> dict[str, Estimate]:
     """Name -> how far from none. Of a body its mass, where that is told: its centre may
-    well lie at the origin. Of a gain its distance from what is stated. Else the coefficients, of which one is enough:
+    well lie at the origin. Of a gain its distance from what is stated. Of what stands askew its angles: no weight pulls
+    at a vertical joint whose base does not lean. Else the coefficients, of which one is enough:
     of a wave's two parts one may be zero. Of a curve with free shapes nothing: size and shape may trade against each
     other (`as_drawn`), and that the error falls says that there is something."""
     found = finding.parameters
@@ -232,6 +233,8 @@ def _sizes(finding: Finding) -> dict[str, Estimate]:
         return {"mass": found["mass"]}
     if "ratio" in found and finding.effect != "coupling":  # there it is a shape: of the speeds of two joints
         return {"ratio - 1": replace(found["ratio"], value=found["ratio"].value - 1.0)}
+    if turns := {name: each for name, each in found.items() if name.startswith("about_")}:
+        return turns
     effects = [each for each in missing_effects() if each.name == finding.effect]
     straight = [each for each in effects if all(one.choice or one.name in (LOG, SINCE) for one in each.shapes)]
     names = {one.name for each in straight for one in each.coefficients}

@@ -31,8 +31,11 @@ from exogauge.studies.import_log.column_words import (
     Suggestion,
     Wearer,
     Words,
+    axes_by_number,
     axis_in,
+    counts,
     kinds_in,
+    numbered,
     tokens_of,
     too_large,
     within,
@@ -49,13 +52,23 @@ NO_RISE = (
 )
 OWN_NAME = "the contract's own name, in its own unit"
 IN_TWO = " Of seconds and nanoseconds in two columns write the sum into one."
+OF_A_MODEL = (
+    "It looks like a part of the torque that a model tells, not the whole that was measured: list it under `ignore`."
+)
 COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
 
 
 def guess(columns: Sequence[Seen], wearer: Wearer, norms: Mapping[str, float]) -> dict[str, Suggestion | Advice]:
     """By column name. norms: name -> median size of the vector that the column belongs to, where it belongs to one."""
-    numbered = _numbered(columns, wearer)
-    found = {column.name: _one(column, wearer, numbered, norms) for column in columns}
+    joints, axes, sent = _numbered(columns, wearer), axes_by_number([each.name for each in columns]), _sent(columns)
+    found = dict[str, Suggestion | Advice]()
+    for column in columns:
+        if column.name in sent:
+            found[column.name] = Advice(COMMANDED)
+        elif column.name in axes:
+            found[column.name] = _of_three(column, *axes[column.name], norms)
+        else:
+            found[column.name] = _one(column, wearer, joints, norms)
     return _without_doubles(_of_one_unit(columns, found, wearer))
 
 
@@ -85,7 +98,7 @@ def _of_one_unit(
     return changed
 
 
-def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mapping[str, float]) -> Suggestion | Advice:
+def _one(column: Seen, wearer: Wearer, by_number: Mapping[str, str], norms: Mapping[str, float]) -> Suggestion | Advice:
     if (own := _contract(column.name, wearer)) is not None:
         return own
     words = words_of(column.name)
@@ -94,6 +107,8 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
     named = _joint_in(words, wearer)
     rest = words.tokens if named is None else named[1]
     kinds = kinds_in(rest)
+    if "tau" in kinds and words.of_a_model:
+        return Advice(OF_A_MODEL)
     if "t" in kinds and (len(kinds) == 1 or column.step is not None):
         return _time(column, words)
     if named is not None and len(kinds) == 1 and kinds[0] in OF_JOINTS:
@@ -102,10 +117,10 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
         return joint_column(column, "ddq", named[0], words, wearer, "an acceleration of the joint", sure=False)
     kind = kinds[0] if len(kinds) == 1 else _by_unit(words, [token for token in rest if not token.isdecimal()])
     if (
-        column.name in numbered and kind in OF_JOINTS and not OF_TOOL.intersection(rest)
+        column.name in by_number and kind in OF_JOINTS and not OF_TOOL.intersection(rest)
     ):  # before `ax1`, of axis 1, is taken for an accelerometer's x
         why = "joints are numbered in the robot's order: check that the log has the same"
-        return joint_column(column, kind, numbered[column.name], words, wearer, why, sure=False)
+        return joint_column(column, kind, by_number[column.name], words, wearer, why, sure=False)
     if (body := body_column(column, words, kinds, wearer, norms)) is not None:
         return body
     if not kinds and words.unit in SECONDS and column.step is not None:
@@ -121,6 +136,13 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
     if named is not None:
         return Advice(f"It names a joint, but not what of it was measured. {UNKNOWN}")
     return Advice(UNKNOWN)
+
+
+def _sent(columns: Sequence[Seen]) -> set[str]:
+    """Columns of what went out to the robot, beside the same of what came in: `qOut_3`, `qIn_3`."""
+    tokens = {column.name: words_of(column.name).tokens for column in columns}
+    came = {tuple("out" if token == "in" else token for token in each) for each in tokens.values() if "in" in each}
+    return {name for name, each in tokens.items() if "out" in each and each in came}
 
 
 def _by_unit(words: Words, rest: Sequence[str]) -> str | None:
@@ -181,22 +203,11 @@ def _left_over(name: str, tokens: Sequence[str]) -> str:
 
 def _numbered(columns: Sequence[Seen], wearer: Wearer) -> dict[str, str]:
     """Column -> joint, where the columns of one quantity are numbered 0 … J-1 or 1 … J and otherwise called alike."""
-    series: dict[tuple[str, ...], dict[int, str]] = {}
-    for column in columns:
-        tokens = words_of(column.name).tokens
-        for k, token in enumerate(tokens):
-            if token.isdecimal():  # of several numbers the one that counts: `ROB_1 axis 3`
-                series.setdefault((*tokens[:k], "#", *tokens[k + 1 :]), {})[int(token)] = column.name
     joints = wearer.joints or ()
     found: dict[str, list[str]] = {}
-    for members in series.values():
-        places = sorted(members)
-        if (
-            joints
-            and len(places) == len(joints)
-            and places in (list(range(len(joints))), list(range(1, len(joints) + 1)))
-        ):
-            for place, joint in zip(places, joints, strict=True):
+    for _, members in numbered([column.name for column in columns]):
+        if joints and counts(members, len(joints)):
+            for place, joint in zip(sorted(members), joints, strict=True):
                 found.setdefault(members[place], []).append(joint.name)
     return {name: joint for name, (joint, *others) in found.items() if not others}
 
@@ -358,6 +369,12 @@ def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, f
         )
     unit_name = OTHER[kind] if kind in OTHER and too_large(column, kind) else SI[kind]
     return Suggestion(channel.name, unit_name, why=f"the unit is not named: {unit_name} is usual")
+
+
+def _of_three(column: Seen, kind: str, axis: str, norms: Mapping[str, float]) -> Suggestion | Advice:
+    found = _imu(column, kind, axis, words_of(column.name), norms)
+    why = "three are numbered: taken for x, y and z"
+    return replace(found, sure=False, why=f"{why}; {found.why}") if isinstance(found, Suggestion) else found
 
 
 def _sensor_in(words: Words, wearer: Wearer) -> str | None:

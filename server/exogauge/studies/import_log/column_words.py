@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, final
 
 from exogauge.logs.units import find_unit
+from exogauge.studies.import_log.other_languages import in_english, spaced
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "stamp", "clock", "clk"),
@@ -42,6 +43,7 @@ COMMANDED = {
     "requested",
     "action",
 }
+OF_A_MODEL = {"ext", "external", "ff", "feedforward", "gravity", "grav", "coriolis", "residual"}  # no whole torque
 OF_TOOL = {"tcp", "tool", "ee", "eef", "cartesian", "pose"}  # six numbers of it are no joints'
 FILLERS = {
     "axis", "axes", "ax", "joint", "joints", "jnt", "j",
@@ -54,12 +56,14 @@ SPELLED = {
     "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "seconds": "s", "sec": "s", "secs": "s",
     "msec": "ms", "millis": "ms", "milliseconds": "ms", "usec": "us", "micros": "us", "microseconds": "us",
     "nsec": "ns", "nsecs": "ns", "nanos": "ns", "nanoseconds": "ns", "celsius": "degC", "degc": "degC", "kelvin": "K",
+    "grad": "deg", "grad/s": "deg/s", "u/min": "rpm", "1/min": "rpm", "sek": "s",
     "nm": "Nm", "mnm": "mNm", "ma": "mA", "ampere": "A", "amperes": "A", "newton": "N", "rads": "rad/s",
     "degs": "deg/s", "dps": "deg/s", "ms2": "m/s^2",
     **{f"{unit}{per}{after}": f"{unit}/{second}" for unit in ("deg", "rad", "mrad", "rev", "m", "mm")
        for per in ("p", "per") for after, second in (("s", "s"), ("sec", "s"), ("s2", "s^2"), ("sec2", "s^2"))},
 }  # fmt: skip
 TRAILING = {"deg", "rad", "mrad", "rpm", "ms", "us", "ns", "mm", "cm"}  # units that are told without brackets
+KNOWN = frozenset((*KIND_OF, *COMMANDED, *FILLERS))
 AXIS = re.compile(r"^(?:(?P<kind>acc|accel|a|gyro|gyr|g|w|omega|force|f|torque|moment|m|t|n)_?)?(?P<axis>[xyz])$")
 AXIS_KIND = {
     "acc": "acc", "accel": "acc", "a": "acc", "gyro": "gyro", "gyr": "gyro", "g": "gyro", "w": "gyro",
@@ -81,6 +85,10 @@ class Words:
         bare = [token for token in self.tokens if not token.isdecimal()]
         desired = bare[-1:] == ["d"] and any(token in KIND_OF for token in bare[:-1])
         return desired or bool(COMMANDED & set(bare))
+
+    @property
+    def of_a_model(self) -> bool:
+        return bool(OF_A_MODEL & set(self.tokens))
 
     @property
     def motor_side(self) -> bool:
@@ -111,9 +119,12 @@ def words_of(name: str) -> Words:
 
 
 def tokens_of(name: str) -> tuple[str, ...]:
-    """Words in small letters: split at signs, before capitals, and between letters and digits."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
-    return tuple(re.findall(r"[^\W\d_]+|\d+", spaced.lower()))
+    """English words in small letters: split at signs, before capitals, and between letters and digits."""
+    apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", spaced(name))
+    tokens = re.findall(r"[^\W\d_]+|\d+", apart.lower())
+    if tokens == ["temps"]:  # time in French; beside other words temperatures
+        return ("time",)
+    return tuple(word for token in tokens for word in in_english(token, KNOWN))
 
 
 def known_unit(text: str) -> str | None:
@@ -137,6 +148,33 @@ def axis_in(tokens: Sequence[str]) -> tuple[str, str] | None:
         if found := AXIS.match(token):
             return AXIS_KIND.get(found["kind"] or "", ""), found["axis"]
     return None
+
+
+def numbered(names: Iterable[str]) -> Iterator[tuple[tuple[str, ...], dict[int, str]]]:
+    """(words with `#` for a number, number -> name) of the names that are alike but for it. Of several numbers in a
+    name each may be the one that counts: `ROB_1 axis 3`."""
+    series: dict[tuple[str, ...], dict[int, str]] = {}
+    for name in names:
+        tokens = words_of(name).tokens
+        for k, token in enumerate(tokens):
+            if token.isdecimal():
+                series.setdefault((*tokens[:k], "#", *tokens[k + 1 :]), {})[int(token)] = name
+    yield from series.items()
+
+
+def counts(places: Iterable[int], many: int) -> bool:
+    """Whether they go from 0 or from 1 on, one after the other."""
+    return sorted(places) in (list(range(many)), list(range(1, many + 1)))
+
+
+def axes_by_number(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Name -> (acc or gyro; x, y or z), of three that are numbered: `imu.gyroscope[2]`."""
+    found = dict[str, tuple[str, str]]()
+    for tokens, members in numbered(names):
+        kinds = kinds_in(tokens)
+        if kinds in (("acc",), ("gyro",)) and counts(members, 3):
+            found |= {members[place]: (kinds[0], axis) for place, axis in zip(sorted(members), "xyz", strict=True)}
+    return found
 
 
 def within(inner: Sequence[str], outer: Sequence[str]) -> tuple[str, ...] | None:

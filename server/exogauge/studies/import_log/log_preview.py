@@ -32,6 +32,7 @@ from exogauge.studies.import_log.column_words import (
     Seen,
     Suggestion,
     Wearer,
+    axes_by_number,
     axis_in,
     kinds_in,
     known_unit,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 from exogauge.logs.channels import WRENCH_AXES
 
 FIRST_ROWS = 20
+MOST_ACROSS = 200  # values of a sample in one array; a picture has more
 AROUND = 200  # samples to each side of a finding
 MOST_TEXT_COLUMNS = 40
 TEXT = ("not_a_number",)
@@ -59,21 +61,27 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
     names = read_names(table)
     values, texts = _values(table, names)
     flat = {name: each for name, each in values.items() if np.squeeze(each).ndim <= 1}
-    seen = [_seen(name, np.atleast_1d(np.squeeze(each))) for name, each in flat.items()]
-    found = guess(seen, worn, _norms(flat))
+    parts = {name: _parts(name, each, _samples(values)) for name, each in values.items() if name not in flat}
+    single = flat | {part: each for whole in parts.values() for part, each in whole.items()}
+    seen = [_seen(name, np.atleast_1d(np.squeeze(each))) for name, each in single.items()]
+    found = guess(seen, worn, _norms(single))
     columns = [
         _text_column(texts[name]) | {"name": name} if name in texts else _column(name, values[name], found.get(name))
         for name in names
     ]
-    sure = {name: each for name, each in found.items() if isinstance(each, Suggestion) and each.sure}
-    every = {name: each for name, each in found.items() if isinstance(each, Suggestion)}
+    wholes = {name: alike for name, whole in parts.items() if (alike := _alike([found[part] for part in whole]))}
+    for column in columns:
+        if column["name"] in wholes:
+            column["advice"] = _of_whole(wholes[column["name"]])
+    every = {name: each for name, each in found.items() if name in flat and isinstance(each, Suggestion)}
+    sure = {name: each for name, each in every.items() if each.sure}
     return {
         "file": file,
-        "rows": max((each.shape[0] for each in flat.values()), default=0),
+        "rows": max((each.shape[0] for each in flat.values()), default=_samples(values)),
         "header": layout.header,
         "columns": columns,
         "mapping": proposal(file, sure, layout),
-        "proposal": proposal(file, every, layout),
+        "proposal": proposal(file, every, layout, wholes),
     }
 
 
@@ -195,9 +203,36 @@ def _column(name: str, values: RawArray, found: Suggestion | Advice | None) -> d
     }
 
 
+def _samples(values: Mapping[str, RawArray]) -> int:
+    return max((size for each in values.values() for size in each.shape), default=0)
+
+
+def _parts(name: str, values: RawArray, samples: int) -> dict[str, RawArray]:
+    """What it holds of each sample, as columns that are called `name[0]`; nothing where it has no axis of samples."""
+    if values.ndim != 2 or samples not in values.shape:
+        return {}
+    across = values.T if values.shape[0] == samples else values
+    return {f"{name}[{k}]": across[k] for k in range(len(across))} if len(across) <= MOST_ACROSS else {}
+
+
+def _alike(found: Sequence[Suggestion | Advice]) -> tuple[Suggestion, ...]:
+    """Of one array, if they differ in nothing but their joint or axis, as one entry of a mapping has to; else none."""
+    each = [one for one in found if isinstance(one, Suggestion)]
+    kinds = {(parse_channel(one.channel).kind, one.unit, one.sign, one.side) for one in each}
+    fits = len(each) == len(found) and len(kinds) == 1 and all(one.channel != "t" for one in each)
+    return tuple(each) if fits else ()
+
+
+def _of_whole(found: Sequence[Suggestion]) -> str:
+    channels = ", ".join(each.channel for each in found[:NAMED]) + (" …" if len(found) > NAMED else "")
+    return f"Drafted as {channels} [{found[0].unit}]: {found[0].why}."
+
+
 def _text_column(fault: Fault) -> dict[str, Any]:
-    place = f" (row {fault.row}: {fault.value})" if fault.row is not None else ""
-    advice = f"It holds text{place}, which no channel is made of: {_of_text(str(fault.value or ''))}."
+    advice = f"{fault.detail[:1].upper()}{fault.detail[1:]}: list it under `ignore`."
+    if fault.row is not None:
+        cell = str(fault.value or "")
+        advice = f"It holds text (row {fault.row}: {cell}), which no channel is made of: {_of_text(cell)}."
     empty: dict[str, Any] = {"shape": [], "min": None, "max": None, "missing": 0, "samples": [], "suggestion": None}
     return {"name": "", "dtype": "text", "advice": advice, **empty}
 
@@ -217,11 +252,14 @@ def _of_text(cell: str) -> str:
 def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:
     """Median size of each accelerometer's vector, by each of its columns."""
     triples: dict[tuple[str, ...], dict[str, str]] = {}
+    by_number = axes_by_number(values)
     for name in values:
         tokens = words_of(name).tokens
-        axis = axis_in(tokens)
+        axis = by_number.get(name) or axis_in(tokens)
         if axis is not None and (axis[0] == "acc" or "acc" in kinds_in(tokens)):
-            stem = tuple(token for token in tokens if axis_in((token,)) is None)
+            stem = tuple(
+                token for token in tokens if axis_in((token,)) is None and not (token.isdecimal() and name in by_number)
+            )
             triples.setdefault(stem, {})[axis[1]] = name
     found: dict[str, float] = {}
     for members in triples.values():
@@ -250,13 +288,15 @@ def draft(paths: Sequence[Path], robot: Robot | None) -> str:
 
 def _open(look: Mapping[str, Any]) -> list[str]:
     """What a person has to look at: one line for all columns of which the same is said."""
+    drafted = {each["dataset"] for part in look["proposal"]["files"] for each in _of_arrays(part)}
     alike: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
     for column in look["columns"]:
         found = column["suggestion"]
         if found is not None and not found["sure"]:
             alike.setdefault(("?", found["why"], f" [{found['unit']}]"), []).append((column["name"], found["channel"]))
         elif column["advice"]:
-            alike.setdefault(("!", column["advice"], ""), []).append((column["name"], ""))
+            mark = "?" if column["name"] in drafted else "!"
+            alike.setdefault((mark, column["advice"], ""), []).append((column["name"], ""))
     lines = list[str]()
     for (mark, said, unit), columns in alike.items():
         names = ", ".join(f"{name} as {channel}{unit}" if channel else name for name, channel in columns[:NAMED])
@@ -265,8 +305,17 @@ def _open(look: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def proposal(file: str, found: Mapping[str, Suggestion], layout: TextLayout | None = None) -> dict[str, Any]:
-    """The mapping of these columns and no others: what it leaves open, its reader refuses.
+def _of_arrays(part: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    return [each for key in ("arrays", "vectors") for each in part.get(key, ()) if "dataset" in each]
+
+
+def proposal(
+    file: str,
+    found: Mapping[str, Suggestion],
+    layout: TextLayout | None = None,
+    wholes: Mapping[str, Sequence[Suggestion]] | None = None,
+) -> dict[str, Any]:
+    """The mapping of these columns and no others: what it leaves open, its reader refuses. wholes: of an array each.
 
     The three of an IMU and the six of a sensor become one entry, which may be turned; fewer stay columns. Topics of a
     bag have a clock each, and so a part of the mapping each.
@@ -276,10 +325,15 @@ def proposal(file: str, found: Mapping[str, Suggestion], layout: TextLayout | No
     if len(stamps) > 1:
         topics = [{name: each for name, each in found.items() if name.startswith(stamp)} for stamp in stamps]
         return {"version": 1, "files": [_entry_of(file, topic, layout) for topic in topics if len(topic) > 1]}
-    return {"version": 1, "files": [_entry_of(file, found, layout)]}
+    return {"version": 1, "files": [_entry_of(file, found, layout, wholes)]}
 
 
-def _entry_of(file: str, found: Mapping[str, Suggestion], layout: TextLayout) -> dict[str, Any]:
+def _entry_of(
+    file: str,
+    found: Mapping[str, Suggestion],
+    layout: TextLayout,
+    wholes: Mapping[str, Sequence[Suggestion]] | None = None,
+) -> dict[str, Any]:
     entry: dict[str, Any] = {"file": file}
     if layout != TextLayout():
         usual = vars(TextLayout())
@@ -292,7 +346,15 @@ def _entry_of(file: str, found: Mapping[str, Suggestion], layout: TextLayout) ->
     wrenches = [made for sensor in _sensors(left) if (made := _wrench(sensor, left))]
     if left:
         entry["columns"] = {name: _entry(each) for name, each in left.items()}
-    entry |= {key: made for key, made in (("vectors", vectors), ("wrenches", wrenches)) if made}
+    arrays = list[dict[str, Any]]()
+    for name, whole in (wholes or {}).items():
+        kind = parse_channel(whole[0].channel).kind
+        if kind in ("acc", "gyro"):
+            vectors.append({"channel": kind, "dataset": name, "unit": whole[0].unit})
+        else:
+            joints = {"dataset": name, "channels": [each.channel for each in whole]}
+            arrays.append(joints | {key: said for key, said in _entry(whole[0]).items() if key != "channel"})
+    entry |= {key: made for key, made in (("arrays", arrays), ("vectors", vectors), ("wrenches", wrenches)) if made}
     return entry
 
 

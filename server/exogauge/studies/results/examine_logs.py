@@ -23,7 +23,7 @@ from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
-from exogauge.plausibility.examine import MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
+from exogauge.plausibility.examine import IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -141,7 +141,7 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
-SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, MOVED_ZERO, "position_dead"}  # beside what is an error
+SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, IMU_CLOCK, MOVED_ZERO, "position_dead"}  # beside what is an error
 WORSE = 1.1  # times the error of the maker's numbers
 NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
 
