@@ -8,7 +8,8 @@ import pytest
 import exogauge.identification.equations as module
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import prepare
+from exogauge.identification.predict import Parameters, predictions
+from exogauge.identification.preparation import View, prepare
 from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.static_friction import fill_static_friction
@@ -111,11 +112,20 @@ def test_the_current_that_the_model_calls_for_leaves_every_residual_where_it_is(
             assert np.abs(logged[kind][1] - called_for[kind][1]).max() > 1e-3
 
 
+def test_what_effects_see_of_a_log_is_gathered_once_for_its_predictions(case, monkeypatch):
+    equations, truth, prepared = case
+    xi = np.column_stack([truth.xi[effect.coefficient.name] for effect in equations.effects])
+    gathered, signals = [], View.signals
+    monkeypatch.setattr(View, "signals", lambda view, *of: gathered.append(view) or signals(view, *of))
+    predictions(equations, prepared, [Parameters(truth.phi, xi), Parameters(truth.phi, 0.9 * xi)])
+    assert len(gathered) == 1
+
+
 def test_what_is_asked_beyond_outside_forces_is_what_the_rows_leave(case):
     """One forward model: predictions and supporting torque take it from the blocks that the fit takes."""
     equations, truth, prepared = case
     x = true_parameters(equations, truth) * np.random.default_rng(0).uniform(0.8, 1.2, equations.size)
-    (asked,) = equations.asked(prepared, prepared.low_passed, x[:, None])
+    (asked,) = equations.asked(prepared, prepared.low_passed.signals(), prepared.added, x[:, None])
     asked = (asked.T - equations.outside(prepared))[prepared.kept]
     for kind in equations.layout.numbers(RowType.BASE, RowType.AXIS):
         samples, block = rows_of(equations, prepared, x)[kind]

@@ -22,7 +22,7 @@ from exogauge.effects.effect import JointEffect, JointSignals
 from exogauge.estimation.statistics import Form, Statistics
 from exogauge.identification.added_columns import AddedColumn
 from exogauge.identification.contacts import ContactPaths
-from exogauge.identification.preparation import Prepared, View
+from exogauge.identification.preparation import Prepared
 from exogauge.robots.cuts import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
@@ -180,20 +180,27 @@ class Equations:
         for k, effect in enumerate(self.effects, first):
             np.negative(effect.column(signals), out=block[:, k])
 
-    def asked(self, prepared: Prepared, view: View, alternatives: Array, of: slice = EVERY) -> Array:
+    def asked(
+        self,
+        prepared: Prepared,
+        signals: Sequence[JointSignals],
+        added: Array,
+        alternatives: Array,
+        of: slice = EVERY,
+    ) -> Array:
         """(L, n, T) what each of L parameter sets asks of the told rows `of`, without what friction holds at rest.
 
-        alternatives: (P, L).
+        signals, added: as for `filled`, of all samples; signals are looked at where axes are asked for. alternatives:
+        (P, L).
         """
         rows, kinds = range(*of.indices(len(self.layout.told))), self.layout.numbers(*TOLD)
         out = self._loads.of(prepared.motion, alternatives[: self.base_size])[:, of]
-        signals = view.signals()
         for place, row in enumerate(rows):
             kind = kinds[row]
             out[:, place] += prepared.smeared[:, row]
             columns, entries = self.added_to(kind)
             for column, entry in zip(columns + self.first_added, entries, strict=True):
-                out[:, place] -= np.multiply.outer(alternatives[column], view.added[:, entry])
+                out[:, place] -= np.multiply.outer(alternatives[column], added[:, entry])
             if self.layout.rows[kind].type == RowType.AXIS:
                 axis = self.layout.rows[kind].place
                 for effect, column in zip(self.effects, self.effect_columns(axis), strict=True):

@@ -16,7 +16,7 @@ from exogauge.logs.model import Log
 
 V = TypeVar("V")
 
-MOST_BYTES = 150_000_000  # of all that share a room: eight logs of 50 s and 34 joints; to prepare one takes 40 ms
+MOST_BYTES = 120_000_000  # of all that share a room: six logs of 50 s and 34 joints; to prepare one takes 40 ms
 
 
 @final

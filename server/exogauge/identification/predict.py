@@ -84,9 +84,10 @@ def predictions(
         xi = each.xi.copy()
         xi[:, gains] = 0.0
         others.append(replace(each, xi=xi))
-    asked = equations.asked(prepared, view, of_x(equations, others))
+    every = view.signals()
+    asked = equations.asked(prepared, every, view.added, of_x(equations, others))
     asked[:, axes] -= equations.outside(prepared)[:, axes].T
-    for axis, signals in enumerate(view.signals()):
+    for axis, signals in enumerate(every):
         if signals.rest.any():
             for needed, whole, other in zip(asked[:, axes][:, axis], alternatives, others, strict=True):
                 r = prepared.drive[:, axis] * whole.xi[axis, gains].sum() - needed

@@ -133,7 +133,8 @@ def _added_on_axes(equations: Equations, prepared: Prepared, parameters: Paramet
 def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:
     """(T, A) each."""
     axes = equations.layout.told.axes
-    asked = equations.asked(prepared, prepared.low_passed, of_x(equations, alternatives), axes)
+    view = prepared.low_passed
+    asked = equations.asked(prepared, view.signals(), view.added, of_x(equations, alternatives), axes)
     outside = equations.outside(prepared)[:, axes]
     return [each.T - outside for each in asked]
 

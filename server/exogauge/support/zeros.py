@@ -147,7 +147,7 @@ def _seen(model: RobotModel, prepared: Prepared, size: Array) -> _Seen | None:
     kept = prepared.kept[~prepared.left_out[prepared.kept]]
     if len(kept) < model.criteria.support.drift_samples:
         return None
-    every = equations.asked(prepared, prepared.low_passed, of_x(equations, [model.identified]), rows)[0].T
+    every = equations.asked(prepared, (), prepared.added, of_x(equations, [model.identified]), rows)[0].T
     r = (every - equations.outside(prepared)[:, rows])[kept]
     Z = (zero_columns(equations, prepared, kept)[:, :, rows] * size[:, None]).transpose(0, 2, 1)  # (n, 6, 6 S)
     w = 1.0 / np.maximum(np.var(r, axis=0), 1e-300)
