@@ -278,6 +278,20 @@ def test_one_fault_fires_its_own_rule_and_no_other(rule, channel, corrupt):
     assert doubts(time, channels) == {(rule, channel)}
 
 
+@pytest.mark.parametrize(
+    ("value", "rests", "severity"), [(None, False, "error"), (0.0, False, "warning"), (None, True, "warning")]
+)
+def test_a_drive_that_stands_while_its_joint_moves_spoils_its_log(value, rests, severity):
+    """Not one that is off and coasts, nor one whose joint rests."""
+    time, channels = healthy(np.random.default_rng(7))
+    span = slice(2000, 2500)
+    channels["tau.ankle"][span] = channels["tau.ankle"][2000] if value is None else value
+    if rests:
+        channels["q.ankle"][span] = channels["q.ankle"][2000]
+    found = [f for f in examine(Log("log", time, channels), EXPECTED) if f.rule == "frozen"]
+    assert [(f.channel, f.severity) for f in found] == [("tau.ankle", severity)]
+
+
 @pytest.mark.parametrize("times", [0.0, 1.0], ids=["nothing", "last"])
 @pytest.mark.parametrize("span", [slice(0, 2000), slice(2000, 4000), slice(4000, None)])
 def test_a_foot_whose_sensor_stops_while_joints_move_spoils_its_log(times, span):

@@ -86,6 +86,14 @@ def test_a_log_whose_foot_is_dead_for_a_third_of_it_is_neither_fitted_nor_judged
     assert found["discrepancy"]["findings"] == []
 
 
+def stuck(columns: Columns) -> Columns:
+    """A current that repeats its last value for a twentieth of the log."""
+    there = np.flatnonzero((columns["t"] > 5.0) & (columns["t"] < 6.0))
+    current = columns["i.j2"].copy()
+    current[there] = current[there[0]]
+    return columns | {"i.j2": current}
+
+
 def unmoved(columns: Columns) -> Columns:
     noise = np.random.default_rng(5).standard_normal((3, len(columns["t"])))
     return columns | {f"gyro.{axis}": 0.002 * each for axis, each in zip("xyz", noise, strict=True)}
@@ -123,7 +131,13 @@ def exchanged(columns: Columns) -> Columns:
 
 @pytest.mark.parametrize(
     ("floating", "spoil", "channel"),
-    [(False, dead, "q.j2"), (True, dead, "q.j2"), (True, exchanged, "i.j3"), (True, stopped, "ft.plate")],
+    [
+        (False, dead, "q.j2"),
+        (True, dead, "q.j2"),
+        (True, exchanged, "i.j3"),
+        (True, stopped, "ft.plate"),
+        (False, stuck, "i.j2"),
+    ],
 )
 def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decided(
     floating: bool, spoil: Callable[[Columns], Columns], channel: str, tmp_path: Path

@@ -93,10 +93,12 @@ def vector(log: Log, names: tuple[str, str, str]) -> Array | None:
     return values if np.isfinite(values).all() and values.any() else None
 
 
-def joints_move(log: Log, span: slice, criteria: Examining) -> bool:
-    """Whether any position goes through a good part of its range there."""
+def joints_move(log: Log, span: slice, criteria: Examining, joint: str | None = None) -> bool:
+    """Whether any position, or that of the joint, goes through a good part of its range there."""
     return any(
-        np.ptp(values[span]) > criteria.in_motion * np.ptp(values) for values in joint_channels(log, "q").values()
+        np.ptp(values[span]) > criteria.in_motion * np.ptp(values)
+        for each, values in joint_channels(log, "q").items()
+        if joint in (None, each)
     )
 
 

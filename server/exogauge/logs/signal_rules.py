@@ -32,6 +32,7 @@ from exogauge.logs.stored_band import stored_edge
 
 Array = NDArray[np.float64]
 
+DRIVES = ("i", "tau")
 SENSED = ("i", "tau", "acc", "gyro", "ft")  # channels that never rest on one value while they work
 
 
@@ -61,7 +62,8 @@ def dead(log: Log, expected: Expectation) -> Iterator[Finding]:
 def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
     """A sensor that repeats one value for long although it usually changes with every sample.
 
-    An error of an IMU where a robot on feet moves meanwhile for a good part of the log: by it every joint is judged.
+    An error where it lasts for a good part of the log of an IMU of a robot on feet, by which every joint is judged, while
+    any joint moves; and of a drive while its own moves, unless it is off and coasts.
     """
     of_body = ("acc", "gyro") if expected.contacts else ()
     for channel, values in log.channels.items():
@@ -83,8 +85,11 @@ def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
             detail = f"stands at {values[start]:g} for {length / log.rate_hz:.3g} s from t = {log.time[start]:.6g} s"
             advice = "the sensor or its bus stopped for a while: cut the log there"
             span = slice(start, start + length + 1)
-            long = length > expected.criteria.frozen_share * values.size and joints_move(log, span, expected.criteria)
-            severity: Severity = "error" if long and kind_of(channel) in of_body else "warning"
+            driven = channel.split(".", 1)[1] if kind_of(channel) in DRIVES and values[start] != 0.0 else None
+            long = length > expected.criteria.frozen_share * values.size
+            counts = driven is not None or kind_of(channel) in of_body
+            spoils = long and counts and joints_move(log, span, expected.criteria, driven)
+            severity: Severity = "error" if spoils else "warning"
             yield Finding(severity, channel, "frozen", detail, advice, start + 1, float(values[start]))
 
 
