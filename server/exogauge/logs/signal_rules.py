@@ -62,8 +62,8 @@ def dead(log: Log, expected: Expectation) -> Iterator[Finding]:
 def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
     """A sensor that repeats one value for long although it usually changes with every sample.
 
-    An error where it lasts for a good part of the log of an IMU of a robot on feet, by which every joint is judged, while
-    any joint moves; and of a drive while its own moves, unless it is off and coasts.
+    An error where it lasts for a good part of the log: of an IMU of a robot on feet, by which every joint is judged,
+    while any joint moves; of a drive while its own moves, unless it is off and coasts.
     """
     of_body = ("acc", "gyro") if expected.contacts else ()
     for channel, values in log.channels.items():
