@@ -22,7 +22,7 @@ from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
 from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
-from exogauge.logs.parquet_table import write_log
+from exogauge.logs.parquet_table import ParquetTable, write_log
 from exogauge.logs.reading import read_log
 from exogauge.logs.tables import TextLayout
 from exogauge.logs.text_table import TextTable
@@ -282,6 +282,28 @@ def test_an_array_file_that_claims_eight_terabytes_is_refused_unread(tmp_path: P
         archive.writestr("t.npy", claim)
     with pytest.raises(TooLarge):
         read_log(tmp_path / "a.npz", "log")
+
+
+@pytest.mark.parametrize(("second", "row"), [([0.1], 2), ([0.1, 0.2, 0.3], 2), (None, 2)])
+def test_lists_of_other_lengths_are_refused_with_their_row(
+    tmp_path: Path, second: list[float] | None, row: int
+) -> None:
+    lists = pa.array([[0.0, 1.0], second, [0.0, 1.0]], pa.list_(pa.float64()))
+    pq.write_table(pa.table({"q": lists}), tmp_path / "a.parquet")
+    with pytest.raises(BadLog) as refused:
+        ParquetTable(tmp_path / "a.parquet", "a.parquet").read(["q"])
+    (fault,) = refused.value.faults
+    assert (fault.rule, fault.row, fault.column) == ("shape_differs", 2, "q")
+
+
+def test_a_list_that_is_too_long_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pq.write_table(pa.table({"q": [[0.0] * 3000, [0.0] * 3000]}), tmp_path / "a.parquet")
+    table = ParquetTable(tmp_path / "a.parquet", "a.parquet")
+    assert table.read(["q"])["q"].shape == (2, 3000)
+    monkeypatch.setattr("exogauge.logs.limits.LOGS", replace(LOGS, most_cells=5000))
+    monkeypatch.setattr(pq.ParquetFile, "iter_batches", lambda *_, **__: pytest.fail("read"))
+    with pytest.raises(TooLarge):
+        table.read(["q"])
 
 
 def test_a_dataset_that_claims_eight_terabytes_is_refused_unread(tmp_path: Path) -> None:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
@@ -37,8 +39,9 @@ def test_text_in_a_column_is_told_by_what_it_looks_like(tmp_path: Path, cell: st
     assert said in found["advice"]
 
 
-@pytest.mark.parametrize("across", [False, True])
-@pytest.mark.parametrize("ending", ["npz", "h5"])
+@pytest.mark.parametrize(
+    ("ending", "across"), [("npz", False), ("npz", True), ("h5", False), ("h5", True), ("parquet", False)]
+)
 def test_arrays_of_all_joints_are_drafted_and_read_as_they_were_written(
     tmp_path: Path, ending: str, across: bool
 ) -> None:
@@ -51,6 +54,10 @@ def test_arrays_of_all_joints_are_drafted_and_read_as_they_were_written(
     lone = {"dt": 0.01, "joint_names": np.array(JOINTS, dtype="S")}
     if ending == "npz":
         np.savez(path, t=t, **turned, **lone)
+    elif ending == "parquet":
+        lists = {name: list(each) for name, each in turned.items()}
+        names = {"dt": np.full(300, 0.01), "joint_names": [list(JOINTS)] * 300}
+        pq.write_table(pa.table({"t": t} | lists | names), path)
     else:
         with h5py.File(path, "w") as target:
             for name, values in ({"t": t} | turned | lone).items():
@@ -67,7 +74,7 @@ def test_arrays_of_all_joints_are_drafted_and_read_as_they_were_written(
     np.testing.assert_array_equal(log.channels["acc.z"], acc[:, 2])
     advice = {each["name"]: each["advice"] for each in look["columns"]}
     assert "q.pan, q.lift, q.elbow, q.wrist [rad]" in advice["qpos"]
-    assert "`ignore`" in advice["dt"]
+    assert "`ignore`" in advice["joint_names"]
     assert not look["mapping"]["files"][0].get("arrays"), "nothing of it is sure"
 
 
@@ -77,3 +84,10 @@ def test_an_array_of_another_width_is_left_open(tmp_path: Path) -> None:
     look = preview(tmp_path / "log.npz", "log.npz", worn)
     assert "arrays" not in look["proposal"]["files"][0]
     assert "`arrays`" in next(each["advice"] for each in look["columns"] if each["name"] == "qpos")
+
+
+def test_an_array_of_what_was_commanded_is_told_as_such(tmp_path: Path) -> None:
+    np.savez(tmp_path / "log.npz", t=np.arange(50) / 100.0, qpos_des=np.zeros((50, 4)))
+    worn = Wearer(tuple(JointFacts(name) for name in JOINTS))
+    look = preview(tmp_path / "log.npz", "log.npz", worn)
+    assert "commanded" in next(each["advice"] for each in look["columns"] if each["name"] == "qpos_des")

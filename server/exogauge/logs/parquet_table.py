@@ -24,6 +24,8 @@ _FAILURES = (pa.ArrowException, OSError, ValueError, OverflowError, KeyError, In
 
 @final
 class ParquetTable:
+    """A column of lists, all of one length n, is an array (T, n)."""
+
     part: tuple[int, int] | None = None
     notes: tuple[Note, ...] = ()
 
@@ -53,8 +55,15 @@ class ParquetTable:
         faults = [self._type_fault(name) for name in names if not _is_numeric(self._schema.field(name).type)]
         if faults:
             raise BadLog(faults)
-        kinds = {name: _target(self._schema.field(name), name in exact) for name in names}
+        kinds = {
+            name: _target(self._schema.field(name), name in exact)
+            for name in names
+            if not _in_lists(self._schema.field(name).type)
+        }
+        lists = {name: list[RawArray]() for name in names if _in_lists(self._schema.field(name).type)}
         columns: dict[str, RawArray] = {name: np.empty(self._rows, kind) for name, kind in kinds.items()}
+        for name in lists:
+            check_cells(self._declared(name), 1, self.file, shorten(name))
         row = 0
         try:
             for batch in self._source.iter_batches(batch_rows, columns=list(names), use_threads=False):
@@ -62,6 +71,9 @@ class ParquetTable:
                     raise ValueError("more rows than declared")
                 for name in names:
                     column = batch.column(batch.schema.get_field_index(name))
+                    if name in lists:
+                        lists[name].append(self._rows_of(column, name, row, lists[name]))
+                        continue
                     columns[name][row : row + batch.num_rows] = _values(column, kinds[name], name, row, self.file)
                 row += batch.num_rows
         except _FAILURES as problem:
@@ -72,7 +84,27 @@ class ParquetTable:
             ) from None
         if row != self._rows:
             raise BadLog(broken(ValueError(f"{self._rows} rows declared, {row} found"), self.file))
-        return columns
+        return columns | {name: np.concatenate(parts) for name, parts in lists.items() if parts}
+
+    def _declared(self, name: str) -> int:
+        """Values in a column of lists, by the footer."""
+        groups = [self._source.metadata.row_group(k) for k in range(self._source.metadata.num_row_groups)]
+        parts = [group.column(k) for group in groups for k in range(group.num_columns)]
+        return sum(part.num_values for part in parts if part.path_in_schema.startswith(f"{name}."))
+
+    def _rows_of(self, column: Any, name: str, row: int, before: Sequence[RawArray]) -> RawArray:
+        """(rows, n) of one batch of lists, as long as those before."""
+        lengths = pc.fill_null(pc.list_value_length(column), 0).to_numpy(zero_copy_only=False)
+        width = before[0].shape[1] if before else int(lengths[0]) if len(lengths) else 0
+        if (other := np.flatnonzero(lengths != width)).size:
+            detail = f"a list of {int(lengths[other[0]])} values, where the first row has {width}"
+            advice = "Write lists of one length, or each value into a column of its own."
+            raise BadLog(
+                Fault(detail, "shape_differs", advice, self.file, row + int(other[0]) + 1, column=shorten(name))
+            )
+        check_cells(self._rows, max(width, 1), self.file, shorten(name))
+        values = pc.cast(column.flatten(), pa.float64(), safe=False).to_numpy(zero_copy_only=False)
+        return np.asarray(values, np.float64).reshape(len(lengths), width)
 
     def _type_fault(self, name: str) -> Fault:
         return Fault(
@@ -84,7 +116,13 @@ class ParquetTable:
         )
 
 
+def _in_lists(kind: Any) -> bool:
+    return bool(pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind))
+
+
 def _is_numeric(kind: Any) -> bool:
+    if _in_lists(kind):
+        return not _in_lists(kind.value_type) and _is_numeric(kind.value_type)
     return bool(
         pa.types.is_integer(kind)
         or pa.types.is_floating(kind)

@@ -51,7 +51,8 @@ class Table(Protocol):
         ...
 
     def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
-        """(T,) float64 per text or Parquet column, any one- or two-dimensional numbers from MAT, HDF5 and NPZ.
+        """(T,) float64 per text or Parquet column, (T, n) of Parquet's lists, any one- or two-dimensional numbers from
+        MAT, HDF5 and NPZ.
 
         exact: columns kept as 64-bit integers where they hold integers (time stamps since an epoch).
         Missing values are NaN.

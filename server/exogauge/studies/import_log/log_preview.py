@@ -25,7 +25,7 @@ from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
 from exogauge.robots.description import Robot
-from exogauge.studies.import_log.column_guess import guess
+from exogauge.studies.import_log.column_guess import COMMANDED, OF_A_MODEL, guess
 from exogauge.studies.import_log.column_words import (
     Advice,
     JointFacts,
@@ -71,8 +71,10 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
     ]
     wholes = {name: alike for name, whole in parts.items() if (alike := _alike([found[part] for part in whole]))}
     for column in columns:
-        if column["name"] in wholes:
-            column["advice"] = _of_whole(wholes[column["name"]])
+        if (name := column["name"]) in wholes:
+            column["advice"] = _of_whole(wholes[name])
+        elif said := _advice_of_all([found[part] for part in parts.get(name, ())]):
+            column["advice"] = said
     every = {name: each for name, each in found.items() if name in flat and isinstance(each, Suggestion)}
     sure = {name: each for name, each in every.items() if each.sure}
     return {
@@ -221,6 +223,12 @@ def _alike(found: Sequence[Suggestion | Advice]) -> tuple[Suggestion, ...]:
     kinds = {(parse_channel(one.channel).kind, one.unit, one.sign, one.side) for one in each}
     fits = len(each) == len(found) and len(kinds) == 1 and all(one.channel != "t" for one in each)
     return tuple(each) if fits else ()
+
+
+def _advice_of_all(found: Sequence[Suggestion | Advice]) -> str | None:
+    """That no column of an array was measured; None where some may have been."""
+    said = {each.text for each in found if isinstance(each, Advice)}
+    return said.pop() if len(said) == 1 and said <= {COMMANDED, OF_A_MODEL} else None
 
 
 def _of_whole(found: Sequence[Suggestion]) -> str:
