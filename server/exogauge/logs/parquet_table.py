@@ -55,12 +55,8 @@ class ParquetTable:
         faults = [self._type_fault(name) for name in names if not _is_numeric(self._schema.field(name).type)]
         if faults:
             raise BadLog(faults)
-        kinds = {
-            name: _target(self._schema.field(name), name in exact)
-            for name in names
-            if not _in_lists(self._schema.field(name).type)
-        }
         lists = {name: list[RawArray]() for name in names if _in_lists(self._schema.field(name).type)}
+        kinds = {name: _target(self._schema.field(name), name in exact) for name in names if name not in lists}
         columns: dict[str, RawArray] = {name: np.empty(self._rows, kind) for name, kind in kinds.items()}
         for name in lists:
             check_cells(self._declared(name), 1, self.file, shorten(name))

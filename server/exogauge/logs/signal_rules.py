@@ -33,7 +33,7 @@ from exogauge.logs.stored_band import stored_edge
 Array = NDArray[np.float64]
 
 DRIVES = ("i", "tau")
-SENSED = ("i", "tau", "acc", "gyro", "ft")  # channels that never rest on one value while they work
+SENSED = (*DRIVES, "acc", "gyro", "ft")  # channels that never rest on one value while they work
 
 
 def not_finite(log: Log, expected: Expectation) -> Iterator[Finding]:

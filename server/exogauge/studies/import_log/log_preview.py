@@ -8,7 +8,7 @@ A mapping.yaml drafted by looking at the files: what is suggested, and as commen
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from exogauge.robots.description import Robot
 from exogauge.logs.channels import WRENCH_AXES
 
+XYZ = "xyz"
 FIRST_ROWS = 20
-MOST_ACROSS = 200  # values of a sample in one array; a picture has more
 AROUND = 200  # samples to each side of a finding
 MOST_TEXT_COLUMNS = 40
 TEXT = ("not_a_number",)
@@ -61,7 +61,8 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
     names = read_names(table)
     values, texts = _values(table, names)
     flat = {name: each for name, each in values.items() if np.squeeze(each).ndim <= 1}
-    parts = {name: _parts(name, each, _samples(values)) for name, each in values.items() if name not in flat}
+    samples, widths = _samples(values), {len(XYZ), len(worn.joints or ())}
+    parts = {name: _parts(name, each, samples, widths) for name, each in values.items() if name not in flat}
     single = flat | {part: each for whole in parts.values() for part, each in whole.items()}
     seen = [_seen(name, np.atleast_1d(np.squeeze(each))) for name, each in single.items()]
     found = guess(seen, worn, _norms(single))
@@ -79,7 +80,7 @@ def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = Non
     sure = {name: each for name, each in every.items() if each.sure}
     return {
         "file": file,
-        "rows": max((each.shape[0] for each in flat.values()), default=_samples(values)),
+        "rows": max((each.shape[0] for each in flat.values()), default=samples),
         "header": layout.header,
         "columns": columns,
         "mapping": proposal(file, sure, layout),
@@ -209,12 +210,13 @@ def _samples(values: Mapping[str, RawArray]) -> int:
     return max((size for each in values.values() for size in each.shape), default=0)
 
 
-def _parts(name: str, values: RawArray, samples: int) -> dict[str, RawArray]:
-    """What it holds of each sample, as columns that are called `name[0]`; nothing where it has no axis of samples."""
+def _parts(name: str, values: RawArray, samples: int, widths: Container[int]) -> dict[str, RawArray]:
+    """What it holds of each sample, as columns that are called `name[0]`. Nothing where it has no axis of samples, or
+    as many values beside it as there are neither joints nor axes."""
     if values.ndim != 2 or samples not in values.shape:
         return {}
     across = values.T if values.shape[0] == samples else values
-    return {f"{name}[{k}]": across[k] for k in range(len(across))} if len(across) <= MOST_ACROSS else {}
+    return {f"{name}[{k}]": each for k, each in enumerate(across)} if len(across) in widths else {}
 
 
 def _alike(found: Sequence[Suggestion | Advice]) -> tuple[Suggestion, ...]:
@@ -375,7 +377,7 @@ def _entry(each: Suggestion) -> dict[str, Any]:
 
 def _vector(kind: str, left: dict[str, Suggestion]) -> dict[str, Any] | None:
     by_channel = {each.channel: name for name, each in left.items()}
-    names = [by_channel.get(f"{kind}.{axis}") for axis in "xyz"]
+    names = [by_channel.get(f"{kind}.{axis}") for axis in XYZ]
     columns = [name for name in names if name is not None]
     units = {left[name].unit for name in columns}
     if len(columns) != 3 or len(units) != 1:

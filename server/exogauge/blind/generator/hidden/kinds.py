@@ -38,11 +38,7 @@ IN_BANDS = frozenset((*(kind.name for kind in _IN_BANDS), StrapSlides.name))  # 
 IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
 ON_ENCODERS = EncoderEccentricity.name
 OUTSIDE = (CableWrap.name, StrapSlides.name)  # of every catalogue: nobody may name them
-ON_REQUEST = (
-    Coupling.name,
-    EncoderEccentricity.name,
-    *OUTSIDE,
-)  # one more sort in turn would change what every seed hides
+ON_REQUEST = (Coupling.name, ON_ENCODERS, *OUTSIDE)  # one more sort in turn would change what every seed hides
 KINDS = (*(name for name in (*ON_JOINTS, *ELSEWHERE) if name not in ON_REQUEST), IN_LOGS)  # that take turns
 SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named
 CLUTTER = ("stribeck", "load_coulomb", "asym_viscous", "nonlinear_viscous", "joint_spring", "torque_ripple")
