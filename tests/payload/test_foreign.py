@@ -15,6 +15,7 @@ from tests.payload.told import evaluated, hold, off, still, streamed
 from exogauge.errors import BadStudy, NotIdentifiable
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import open_payload
+from exogauge.payload.prepare import holds_of
 
 Array = NDArray[np.float64]
 
@@ -466,3 +467,15 @@ def test_clocks_that_are_a_little_more_apart_than_a_filter_makes_them_are_told(t
         evaluated(tmp_path)
     assert refused.value.faults[0].rule == "clocks_apart"
     assert "0.064 s late" in str(refused.value)
+
+
+@pytest.mark.parametrize(("colour", "least", "most"), [(0.0, 1.0, 1.5), (0.98, 3.0, 12.0)])
+def test_the_mean_of_a_posture_is_as_doubtful_as_its_halves_differ(
+    colour: float, least: float, most: float, tmp_path: Path
+) -> None:
+    """Noise that remembers 0.4 s was averaged as if it were white."""
+    foreign.write(tmp_path, 0, colour=colour, postures=6)
+    holds, _ = holds_of(open_payload(tmp_path))
+    white = np.repeat([foreign.FORCE_NOISE, foreign.MOMENT_NOISE], 3) / np.sqrt(1.0 * foreign.RATE)
+    assert np.all(holds.std > 0.9 * least * white)
+    assert np.all(holds.std < most * white)
