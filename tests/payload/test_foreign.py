@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from tests.payload import foreign
 from tests.payload.told import evaluated, hold, off, still, streamed
 
@@ -479,3 +480,24 @@ def test_the_mean_of_a_posture_is_as_doubtful_as_its_halves_differ(
     white = np.repeat([foreign.FORCE_NOISE, foreign.MOMENT_NOISE], 3) / np.sqrt(1.0 * foreign.RATE)
     assert np.all(holds.std > 0.9 * least * white)
     assert np.all(holds.std < most * white)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mass", [0.15, 0.6])
+def test_axes_that_stand_off_are_no_gains_of_a_sensor(mass: float, tmp_path: Path) -> None:
+    """Of a light payload postures do not tell them: gains and crosstalk of all channels were named in their place."""
+    turn = Rotation.from_rotvec(np.radians([2.0, -1.5, 1.7]))
+
+    def read(w: Array) -> Array:
+        return np.hstack([turn.inv().apply(w[:, :3]), turn.inv().apply(w[:, 3:])])
+
+    truth = foreign.write(tmp_path, 1, spoil=foreign.wrench(read), mass=mass, noise=0.3)
+    found = evaluated(tmp_path)
+    (named,) = found.missing.found
+    assert (named.effect, named.rivals) == ("turned", ())
+    assert found.missing.in_the_model
+    for each, angle in zip(named.parameters, (2.0, -1.5, 1.7), strict=True):
+        assert abs(each.value - angle) < 4.0 * each.std < 1.0
+    assert found.stages.excitation is not None
+    z = np.abs(off(found, truth))[:10]
+    assert z.max() < 4.0
