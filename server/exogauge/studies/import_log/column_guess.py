@@ -333,9 +333,11 @@ def body_column(
         kind = kind or next((each for each in kinds if each in ("acc", "gyro")), "")
     if kind in ("acc", "gyro"):
         return _imu(column, kind, axis[1], words, norms)
+    named = _sensor_in(words, wearer)
+    if kind == "couple" and (named or {"force", "wrench"}.intersection(words.tokens)):
+        kind = "m"
     if kind not in ("f", "m"):
         return None
-    named = _sensor_in(words, wearer)
     sensor = named or (wearer.sensors[0] if len(wearer.sensors) == 1 else None)
     if sensor is None:
         known = ", ".join(wearer.sensors) or "the robot has none, or no robot is given"
