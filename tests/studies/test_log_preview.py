@@ -110,6 +110,6 @@ def test_angles_told_from_0_to_360_degrees_are_drafted_and_read_as_one_course(tm
         assert (suggestion["channel"], suggestion["unit"], suggestion["sign"]) == (f"q.{joint}", "deg", 1)
     rules = parse_mapping(yaml.safe_dump(look["proposal"]).encode(), "mapping.yaml")
     log = read_mapped({path.name: path}, rules, joints=JOINTS, motor_from_joint=np.eye(4), name="log")
-    read = in_one_course(log, {name: JointLimits(*each) for name, each in zip(JOINTS, limits, strict=True)})
+    (read,) = in_one_course([log], {name: JointLimits(*each) for name, each in zip(JOINTS, limits, strict=True)})
     for k, joint in enumerate(JOINTS):
         np.testing.assert_allclose(read.channels[f"q.{joint}"], q[:, k], atol=1e-7)

@@ -105,7 +105,7 @@ def judged(
     clock = {"samples": log.samples, "duration_s": float(log.time[-1] - log.time[0]), "rate_hz": log.rate_hz}
     if wrong := impossible_rate(log):
         return NO_LOG | {"faults": [asdict(fault) for fault in wrong], "clock": clock}
-    log = in_one_course(log, expected.joints)
+    (log,) = in_one_course([log], expected.joints)
     return {"faults": [], "findings": findings(log, expected), "channels": list(log.channels), "clock": clock}
 
 

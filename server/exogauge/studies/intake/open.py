@@ -274,12 +274,11 @@ def _read(study: Study, chosen: Sequence[int]) -> list[tuple[int, Log]]:
     faults = [fault for log in logs for fault in missing_columns(log, study.robot, entries[log.name].file[0])]
     if faults:
         raise BadLog(faults)
-    found, no_stretch, joints = list[tuple[int, Log]](), list[Fault](), expectation(study.robot).joints
-    for k, log in zip(chosen, logs, strict=True):
+    found, no_stretch = list[tuple[int, Log]](), list[Fault]()
+    for k, log in zip(chosen, in_one_course(logs, expectation(study.robot).joints), strict=True):
         entry = study.file.logs[k]
         try:
-            whole = in_one_course(log, joints)
-            found += [(k, part) for part in segments(whole, entry.rows[0] if entry.rows else 0)]
+            found += [(k, part) for part in segments(log, entry.rows[0] if entry.rows else 0)]
         except BadLog as bad:
             no_stretch += [replace(fault, file=entry.file[0]) for fault in bad.faults]
     if no_stretch:
