@@ -13,7 +13,7 @@ from tests.blind.conftest import joints, plan
 from exogauge.blind.answers import write_answers
 from exogauge.blind.generator.case import as_read
 from exogauge.blind.generator.foot_faults import STD, Alike, Creep, Drift, Gain, Shunt, Tilt, how_large
-from exogauge.blind.generator.hidden.outside import CableWrap, EncoderEccentricity, StrapSlides
+from exogauge.blind.generator.hidden.outside import CableWrap, EncoderEccentricity, FrictionWanders, StrapSlides
 from exogauge.blind.generator.placed import HowLarge, Placed, hide
 from exogauge.blind.generator.robot_kind import ARM
 from exogauge.blind.score import score, score_text
@@ -56,6 +56,20 @@ def test_a_wound_cable_pulls_back_more_while_it_winds_on_and_not_at_all_before(a
     assert np.all(torque[on] > run.q[on])
     assert np.all(torque[off] < run.q[off])
     assert np.all(torque[off] > 0.0), "it never pushes"
+
+
+def test_friction_that_wanders_goes_on_from_log_to_log_and_against_the_motion(arm6) -> None:
+    run = arm6.runs[2]
+    effect = FrictionWanders.draw(np.random.default_rng(4), run)
+    assert len(effect.stages) == len(run.q) + 1
+    size = effect.torque(run, 1.0) / np.where(run.direction != 0.0, run.direction + effect.viscous * run.dq, np.nan)
+    for log in range(len(run.q)):
+        moving = np.flatnonzero(np.isfinite(size[log]))
+        ends = effect.stages[log], effect.stages[log + 1]
+        assert min(ends) - 1e-9 <= size[log][moving].min()
+        assert size[log][moving].max() <= max(ends) + 1e-9
+        np.testing.assert_allclose(size[log][moving[0]], ends[0], atol=0.15)
+    assert np.all(effect.torque(run, 1.0)[run.direction == 0.0] == 0.0)
 
 
 def test_a_strap_gives_way_where_it_is_pulled_and_is_back_when_slack(torso8) -> None:

@@ -76,6 +76,23 @@ def test_friction_that_shifts_is_named_with_the_log_from_which_it_does(searched)
     assert finding.held_out.rmse_after < 0.1 * finding.held_out.rmse_before
 
 
+def test_friction_that_is_another_in_each_log_has_no_name(robot, record):
+    """A step takes most of it: it is no step, and there is no name for it."""
+    shares = (0.0, 0.3, 1.0, 0.8)
+    logs = [
+        record(seed, lambda m, share=share: share * rougher(m))
+        for seed, share in zip((1, 2, 3, 9), shares, strict=True)
+    ]
+    recordings = [Recording(log, held_out=number == 3) for number, log in enumerate(logs)]
+    found = find_missing_effects(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS)
+    assert found.discrepancy.findings == ()
+    assert "tau.j2" in [each.channel for each in found.discrepancy.unexplained]
+    (why,) = [each.objection for each in found.discrepancy.rejected if each.effect == "friction_shift"
+              and each.place.name == "j2"]  # fmt: skip
+    assert why.why == Why.ANOTHER_IN_EACH_LOG
+    assert 0.5 < why.value < 0.9
+
+
 def test_friction_that_shifts_with_the_only_held_out_log_is_named_once_that_log_is_fitted(searched):
     found = searched(rougher, 3).discrepancy
     (finding,) = found.findings

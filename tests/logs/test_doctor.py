@@ -124,10 +124,6 @@ def on_the_motors_side(channels: Channels) -> None:
     del channels["dq.ankle"]
 
 
-def wrap(channels: Channels) -> None:
-    channels["q.wheel"] = (4.0 * np.sin(2 * np.pi * 0.2 * np.arange(SAMPLES) / RATE)) % (2 * np.pi)
-
-
 def velocity_in_degrees(channels: Channels) -> None:
     channels["dq.ankle"] = np.degrees(channels["dq.ankle"])
 
@@ -242,7 +238,6 @@ CASES = [
     ("joint_missing", "tau.ankle", lose),
     ("degrees", "q.hip", in_degrees),
     ("motor_side", "q.ankle", on_the_motors_side),
-    ("jumps_by_a_turn", "q.wheel", wrap),
     ("position_jumps", "q.hip", lose_counts),
     ("position_jumps", "q.finger", miss_one),
     ("beyond_limits", "q.hip", shift_zero),

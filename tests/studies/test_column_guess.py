@@ -47,6 +47,9 @@ def one(name: str, low: float = -1.0, high: float = 1.0, wearer: Wearer = ROBOT,
         ("l_knee (rpm)", (-3.0, 3.0), "dq.l_knee", "rpm"),
         ("l_knee_vel_degps", (-90.0, 90.0), "dq.l_knee", "deg/s"),
         ("imu_acc_z_mps2", (9.0, 10.5), "acc.z", "m/s^2"),
+        ("LeftKnee_pos [deg]", (-5.0, 60.0), "q.l_knee", "deg"),
+        ("RightFootForceSensor_fz [N]", (0.0, 700.0), "ft.r_foot.fz", "N"),
+        ("RightFootForceSensor_cx [Nm]", SMALL, "ft.r_foot.mx", "Nm"),
     ],
 )  # fmt: skip
 def test_a_name_that_leaves_one_reading_is_sure(name: str, span: tuple[float, float], channel: str, unit: str) -> None:
@@ -151,7 +154,9 @@ def test_numbered_columns_are_joints_in_order_only_where_there_are_as_many_and_n
     assert all(isinstance(each, Advice) for each in fewer.values())
 
 
-@pytest.mark.parametrize("called", ["ax{}.pos_deg", "Axis{} [deg]", "axis_{}_angle_deg"])
+@pytest.mark.parametrize(
+    "called", ["ax{}.pos_deg", "Axis{} [deg]", "axis_{}_angle_deg", "$AXIS_ACT.A{} [deg]", "$AXIS_ACT[{}] [deg]"]
+)
 def test_axes_that_are_numbered_are_joints_and_no_accelerometers(called: str) -> None:
     names = [called.format(k + 1) for k in range(3)]
     found = guess([Seen(name, -5.0, 60.0) for name in names], ROBOT, {})
@@ -305,6 +310,11 @@ def test_a_part_of_the_torque_that_a_model_tells_is_not_the_measured_one(stem: s
     both = [Seen(each.format(k), *SMALL) for each in ("tau_J{}", stem) for k in range(3)]
     found = guess(both, ARM, {})
     assert [name for name, each in found.items() if isinstance(each, Suggestion)] == [f"tau_J{k}" for k in range(3)]
+
+
+def test_a_letter_before_an_axis_is_a_couple_only_beside_a_sensor() -> None:
+    assert isinstance(one("cx"), Advice)
+    assert isinstance(one("support_center_cx"), Advice)
 
 
 @pytest.mark.parametrize("first", [0, 1])

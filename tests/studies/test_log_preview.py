@@ -11,7 +11,9 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from exogauge.logs.findings import JointLimits
 from exogauge.logs.mapping import read_mapped
+from exogauge.logs.whole_turns import in_one_course
 from exogauge.studies.import_log.column_words import JointFacts, Wearer
 from exogauge.studies.import_log.log_preview import preview
 from exogauge.studies.intake.mapping_file import parse_mapping
@@ -91,3 +93,23 @@ def test_an_array_of_what_was_commanded_is_told_as_such(tmp_path: Path) -> None:
     worn = Wearer(tuple(JointFacts(name) for name in JOINTS))
     look = preview(tmp_path / "log.npz", "log.npz", worn)
     assert "commanded" in next(each["advice"] for each in look["columns"] if each["name"] == "qpos_des")
+
+
+def test_angles_told_from_0_to_360_degrees_are_drafted_and_read_as_one_course(tmp_path: Path) -> None:
+    t, path = np.arange(2000) / 100.0, tmp_path / "log.csv"
+    q = np.stack([np.sin((0.5 + 0.2 * k) * t) for k in range(4)], axis=1) * [2.0, 1.5, 0.3, 2.9] + [0.0, 0.2, -0.6, 0.0]
+    table = np.column_stack([t, np.degrees(q) % 360.0])
+    names = ",".join(["t", *(f"actuator{k + 1}.position" for k in range(4))])
+    np.savetxt(path, table, delimiter=",", header=names, comments="", fmt="%.6f")
+    limits = ((-np.inf, np.inf), (-2.2, 2.2), (-2.1, 2.1), (-np.inf, np.inf))
+    worn = Wearer(tuple(JointFacts(name, *each, 3.0) for name, each in zip(JOINTS, limits, strict=True)))
+    look = preview(path, path.name, worn)
+    found = {each["name"]: each for each in look["columns"]}
+    for k, joint in enumerate(JOINTS):
+        suggestion = found[f"actuator{k + 1}.position"]["suggestion"]
+        assert (suggestion["channel"], suggestion["unit"], suggestion["sign"]) == (f"q.{joint}", "deg", 1)
+    rules = parse_mapping(yaml.safe_dump(look["proposal"]).encode(), "mapping.yaml")
+    log = read_mapped({path.name: path}, rules, joints=JOINTS, motor_from_joint=np.eye(4), name="log")
+    (read,) = in_one_course([log], {name: JointLimits(*each) for name, each in zip(JOINTS, limits, strict=True)})
+    for k, joint in enumerate(JOINTS):
+        np.testing.assert_allclose(read.channels[f"q.{joint}"], q[:, k], atol=1e-7)

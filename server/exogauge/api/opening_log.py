@@ -43,7 +43,7 @@ def judge(path: Path, file: str, described: Any, entry: Any, text: bytes) -> tup
     from exogauge.logs.findings import Expectation
     from exogauge.logs.tables import TextLayout
     from exogauge.studies.import_log.log_preview import NO_LOG, judged
-    from exogauge.studies.intake.admit import expectation
+    from exogauge.studies.intake.expected import expectation
     from exogauge.studies.intake.mapping_file import parse_mapping
     from exogauge.studies.intake.read_log import known_gears
     from exogauge.studies.intake.robot_file import motor_from_joint

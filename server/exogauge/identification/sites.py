@@ -244,6 +244,19 @@ class EncoderSite:
         return 1.0, unit
 
 
+def positions(model: RobotModel, prepared: Prepared) -> Array:
+    """(T, J) [rad or m] where the joints stand: what is read, and by how much the model holds it to be wrong."""
+    q, time = prepared.motion.q, prepared.log.time - prepared.log.time[0]
+    for added in model.extension.effects if model.extension else ():
+        if isinstance(site := added.site, EncoderSite):
+            read, own = prepared.motion.q[:, site.joint], _found_at(model, site)
+            signals = EncoderSignals(time, read, _nothing_moves_before(model.robot, site.joint))
+            effect: Any = added.effect
+            q = q.copy() if q is prepared.motion.q else q
+            q[:, site.joint] += effect.errors(signals, added.shape) @ [own[one.name] for one in effect.coefficients]
+    return q
+
+
 def _with_rates(error: Array, rate_hz: float) -> Array:
     """(T, 3): an error (T,) of an angle, its rate and the rate of that; exactly none where it is constant."""
     if len(error) < 3 or not np.ptp(error):

@@ -21,7 +21,6 @@ RULES: tuple[Rule, ...] = (
     signal_rules.coarse_or_noisy,
     signal_rules.stored_low_passed,
     joint_rules.joint_missing,
-    joint_rules.jumps_by_a_turn,
     joint_rules.jumps,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,

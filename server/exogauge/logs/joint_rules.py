@@ -73,23 +73,6 @@ def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
             yield Finding("warning", f"q.{joint}", "beyond_limits", detail, advice, row, float(values[row - 1]))
 
 
-def jumps_by_a_turn(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """An angle that begins anew after a turn: from one sample to the next no joint goes round."""
-    for joint, values in joint_channels(log, "q").items():
-        limits = expected.joints.get(joint, JointLimits())
-        step = np.diff(values)
-        turns = np.round(step / (2.0 * np.pi))
-        usual = float(np.nanmax(np.abs(step[turns == 0.0]), initial=0.0))
-        jumps = (turns != 0.0) & (np.abs(step - 2.0 * np.pi * turns) <= 2.0 * usual)
-        if not limits.turns or not jumps.any() or (turns != 0.0).sum() != jumps.sum() or usual > 0.5 * np.pi:
-            continue
-        row = first_row(jumps) + 1
-        times = "once" if jumps.sum() == 1 else f"{jumps.sum()} times"
-        detail = f"jumps by a full turn {times}, first from {values[row - 2]:.4g} to {values[row - 1]:.4g} rad"
-        advice = "unwrap the angle before it is handed in: positions are filtered and differentiated across the jump"
-        yield Finding("error", f"q.{joint}", "jumps_by_a_turn", detail, advice, row, float(step[row - 2]))
-
-
 def jumps(log: Log, expected: Expectation) -> Iterator[Finding]:
     """A step or a spike: far faster than the joint can be, and than it moves right before and after."""
     criteria = expected.criteria

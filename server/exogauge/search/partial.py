@@ -15,6 +15,7 @@ from exogauge.identification.result import Identification
 from exogauge.search.declared import left_over
 from exogauge.search.final_numbers import coefficients
 from exogauge.search.finding import channel_of
+from exogauge.search.from_log_on import another_in_each_log
 from exogauge.search.locate import pooled
 from exogauge.search.state import Search
 from exogauge.search.taken_out import taken_out
@@ -36,12 +37,14 @@ def without_partial_names(search: Search, found: Identification, findings: Seque
     noise is enough.
 
     Two effects at one place, each with its share, together reach the floor: then both stay. What is told of one log
-    alone is judged there.
+    alone is judged there. What begins with a log and is another in each goes, however little is left.
     """
     poor = list[tuple[int, Objection]]()
     left = cache(lambda: {each.channel for each in left_over(found, search.last, search.problem.recordings)[0]})
     for number, finding in enumerate(findings):
-        if finding.held_out.log:
+        if why := another_in_each_log(found.model, search.steps[number].added, search.problem.recordings):
+            poor.append((number, why))
+        if why or finding.held_out.log:
             continue
         channels = _channels(search, number)
         why = _objection(search, found, finding, number, channels)

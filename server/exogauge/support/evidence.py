@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Channels, Prediction
+from exogauge.identification.sites import positions
 from exogauge.identification.validate import predict_log, prediction_of
 from exogauge.logs.derivatives import differentiate
 from exogauge.logs.model import Log
@@ -138,7 +139,8 @@ def gather(
         own = course.without(model, own)
     names = [model.robot.joints[j].name for j in joints]
     q = prepared.motion.q[:, joints]
-    geometry = routing.geometry(prepared.motion.q)
+    posture = positions(model, prepared)
+    geometry = routing.geometry(posture)
     sloped = sloped_samples(prepared)
     doubts = Doubts(model, joints, courses)
     inputs = doubts.inputs(prepared, sloped)
@@ -170,7 +172,7 @@ def gather(
         found=found,
         time=worn.log.time,
         q=q,
-        posture=prepared.motion.q,
+        posture=posture,
         phase=find_phases(worn.log.time, q, differentiate(q, worn.log.rate_hz), main),
         main=main,
         a=a,

@@ -270,6 +270,12 @@ def joint_column(
         only = len(upright) == 1 and unit in moving and facts is not None and math.isfinite(_limit(facts, kind))
         rests = f"only {unit} stays within the joint's limits" if only else f"the unit is not named: {unit} is usual"
         return Suggestion(channel.name, unit, 1, side, sure and only, f"{why}; {rests}")
+    if kind == "q" and facts is not None and not facts.sliding and column.low >= 0.0:
+        for unit, turn in (("rad", 2.0 * math.pi), ("deg", 360.0)):
+            beyond = replace(column, low=column.low - turn, high=column.high - turn)
+            if _fits(beyond, kind, unit, 1, facts) and _moves(column, kind, unit):
+                rests = f"a whole turn less in {unit} stays within the joint's limits, and is taken off"
+                return Suggestion(channel.name, unit, 1, side, False, f"{why}; {rests}")
     return Advice(
         f"{why}, but {column.low:.4g} … {column.high:.4g} is beyond its limits in any unit. Check its zero (`offset`), "
         "its side of the gear, and the joint."
@@ -333,9 +339,11 @@ def body_column(
         kind = kind or next((each for each in kinds if each in ("acc", "gyro")), "")
     if kind in ("acc", "gyro"):
         return _imu(column, kind, axis[1], words, norms)
+    named = _sensor_in(words, wearer)
+    if kind == "couple" and (named or {"force", "wrench"}.intersection(words.tokens)):
+        kind = "m"
     if kind not in ("f", "m"):
         return None
-    named = _sensor_in(words, wearer)
     sensor = named or (wearer.sensors[0] if len(wearer.sensors) == 1 else None)
     if sensor is None:
         known = ", ".join(wearer.sensors) or "the robot has none, or no robot is given"

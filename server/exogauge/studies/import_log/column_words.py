@@ -64,10 +64,11 @@ SPELLED = {
 }  # fmt: skip
 TRAILING = {"deg", "rad", "mrad", "rpm", "ms", "us", "ns", "mm", "cm"}  # units that are told without brackets
 KNOWN = frozenset((*KIND_OF, *COMMANDED, *FILLERS))
-AXIS = re.compile(r"^(?:(?P<kind>acc|accel|a|gyro|gyr|g|w|omega|force|f|torque|moment|m|t|n)_?)?(?P<axis>[xyz])$")
+AXIS = re.compile(r"^(?:(?P<kind>acc|accel|a|gyro|gyr|g|w|omega|force|f|torque|moment|m|t|n|c)_?)?(?P<axis>[xyz])$")
 AXIS_KIND = {
     "acc": "acc", "accel": "acc", "a": "acc", "gyro": "gyro", "gyr": "gyro", "g": "gyro", "w": "gyro",
     "omega": "gyro", "force": "f", "f": "f", "torque": "m", "moment": "m", "m": "m", "t": "m", "n": "m",
+    "c": "couple",  # of a sensor that is named, or it is a centre
 }  # fmt: skip
 
 
@@ -139,6 +140,8 @@ def kinds_in(tokens: Sequence[str]) -> tuple[str, ...]:
         return ("gyro",)
     if "linear" in tokens and "acc" in found:
         return ("acc",)
+    if not found and {"axis", "act"} <= set(tokens):  # KUKA's `$AXIS_ACT`
+        return ("q",)
     return found
 
 
@@ -177,11 +180,15 @@ def axes_by_number(names: Iterable[str]) -> dict[str, tuple[str, str]]:
     return found
 
 
+SIDES = {"l": "left", "r": "right"}
+
+
 def within(inner: Sequence[str], outer: Sequence[str]) -> tuple[str, ...] | None:
-    """What is left of `outer` when `inner` is taken out of it in one piece; None where it is not there."""
-    width = len(inner)
+    """What is left of `outer` when `inner` is taken out of it in one piece; None where it is not there. A side may be
+    written as one letter."""
+    width, own = len(inner), [SIDES.get(token, token) for token in inner]
     for start in range(len(outer) - width + 1):
-        if tuple(outer[start : start + width]) == tuple(inner):
+        if [SIDES.get(token, token) for token in outer[start : start + width]] == own:
             return (*outer[:start], *outer[start + width :])
     return None
 

@@ -24,6 +24,7 @@ from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
+from exogauge.logs.whole_turns import TURN, continued, in_one_course
 from exogauge.robots.description import Robot
 from exogauge.studies.import_log.column_guess import COMMANDED, OF_A_MODEL, guess
 from exogauge.studies.import_log.column_words import (
@@ -104,6 +105,7 @@ def judged(
     clock = {"samples": log.samples, "duration_s": float(log.time[-1] - log.time[0]), "rate_hz": log.rate_hz}
     if wrong := impossible_rate(log):
         return NO_LOG | {"faults": [asdict(fault) for fault in wrong], "clock": clock}
+    (log,) = in_one_course([log], expected.joints)
     return {"faults": [], "findings": findings(log, expected), "channels": list(log.channels), "clock": clock}
 
 
@@ -179,6 +181,10 @@ def _seen(name: str, values: RawArray) -> Seen:
     finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite.size:
         return Seen(name, 0.0, 0.0)
+    if finite.size == values.size and values.dtype.kind == "f":
+        for turn in (TURN, 360.0):  # an angle that begins anew after each is read as one course
+            course, row = continued(np.asarray(values, np.float64) * TURN / turn)
+            finite = finite if row is None else course * turn / TURN
     step = None
     if finite.size == values.size > 1 and values.dtype.kind in "fiu":
         steps = np.diff(values.astype(np.float64) if values.dtype.kind == "f" else values.astype(np.int64))

@@ -14,11 +14,10 @@ import numpy as np
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording
 from exogauge.identification.turns import WIDEST
-from exogauge.logs.findings import Expectation, JointLimits
 from exogauge.logs.model import Log
-from exogauge.logs.units import STANDARD_GRAVITY
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.robots.description import Robot
+from exogauge.studies.intake.expected import expectation
 from exogauge.studies.intake.open import Study, read_recordings, read_worn
 from exogauge.support.motions import require_same_motions
 from exogauge.support.settings import PlainLog, WornLog
@@ -134,22 +133,3 @@ def impossible_clock(log: Log) -> list[Fault]:
         advice = "Record at least some seconds of motion, or state the unit of t in a mapping."
         return [Fault(f"log {log.name!r} has {said}", "too_short", advice, column="t", value=f"{seconds:.3g} s")]
     return []
-
-
-def expectation(robot: Robot) -> Expectation:
-    """Limits from the URDF; the weight where the contact sensors carry a robot with a floating base."""
-    tree = robot.tree
-    contacts = {sensor.name: sensor.sign for sensor in robot.sensors if sensor.role == "contact"}
-    limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
-    gears = {joint.name: abs(joint.gear_ratio or 1.0) for joint in robot.joints}
-    slides = {tree.joints[dof] for dof in tree.dof[tree.prismatic & (tree.dof >= 0)]}
-    return Expectation(
-        joints={
-            name: JointLimits(lower, upper, velocity, gears.get(name, 1.0), name not in slides)
-            for name, lower, upper, velocity in limits
-        },
-        weight_n=tree.mass * STANDARD_GRAVITY if tree.floating and contacts else None,
-        contacts=contacts if tree.floating else {},
-        actuation={joint.name: joint.actuation for joint in robot.joints},
-        noise=robot.noise,
-    )

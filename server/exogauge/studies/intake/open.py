@@ -15,15 +15,16 @@ from pydantic import ValidationError
 from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
-from exogauge.identification.disturbances import drifts_in_doubt
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
+from exogauge.logs.whole_turns import in_one_course
 from exogauge.remarks import About, Remark
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Robot, drifts_in_doubt
 from exogauge.robots.urdf_check import idle_joints, impossible_density, limits_in_degrees, raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
+from exogauge.studies.intake.expected import expectation
 from exogauge.studies.intake.read_log import read_entries
 from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
 from exogauge.studies.intake.worn_devices import read_devices, read_known_loads
@@ -273,7 +274,7 @@ def _read(study: Study, chosen: Sequence[int]) -> list[tuple[int, Log]]:
     if faults:
         raise BadLog(faults)
     found, no_stretch = list[tuple[int, Log]](), list[Fault]()
-    for k, log in zip(chosen, logs, strict=True):
+    for k, log in zip(chosen, in_one_course(logs, expectation(study.robot).joints), strict=True):
         entry = study.file.logs[k]
         try:
             found += [(k, part) for part in segments(log, entry.rows[0] if entry.rows else 0)]

@@ -27,7 +27,7 @@ from exogauge.plausibility.examine import IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WR
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
-from exogauge.studies.intake.admit import expectation
+from exogauge.studies.intake.expected import expectation
 from exogauge.studies.results.plain_values import finite
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import WornLog
@@ -35,7 +35,7 @@ from exogauge.support.settings import WornLog
 OF_THE_BASE = ("acc", "gyro", "ft", "t")  # where these are wrong, so is what every joint should bear
 SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
     "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
-    "couple_first", "degrees", "motor_side", "jumps_by_a_turn",
+    "couple_first", "degrees", "motor_side",
 }  # fmt: skip
 
 

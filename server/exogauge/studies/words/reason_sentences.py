@@ -42,6 +42,8 @@ OBJECTIONS: Mapping[Why, str] = {
     "something else is the cause",
     Why.OTHER_LAW: "{at}it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
     "what is there follows another law",
+    Why.ANOTHER_IN_EACH_LOG: "it is another one in each log: a change that stays from one log on would be "
+    "{percent:.0f}{space}% of that",
     Why.AT_ITS_EDGE: "its size would be at the edge of what can be, and {at}leave {value:.2g} noise floors: something "
     "else is the cause",
     Why.DECLARED: "declared uncertainties of the measurement leave as much there, and explain all of it",

@@ -18,7 +18,7 @@ from exogauge.blind.generator.hidden.effect import HiddenEffect, WholeEffect
 from exogauge.blind.generator.hidden.friction import AsymViscous, LoadCoulomb, NonlinearViscous, Presliding, Stribeck
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
 from exogauge.blind.generator.hidden.motor import Coupling, JointSpring, KtGain, KtSaturation, TorqueDelay, TorqueRipple
-from exogauge.blind.generator.hidden.outside import CableWrap, EncoderEccentricity, StrapSlides
+from exogauge.blind.generator.hidden.outside import CableWrap, EncoderEccentricity, FrictionWanders, StrapSlides
 from exogauge.blind.generator.hidden.sensor import FtCrosstalk, FtDrift, FtGain
 from exogauge.blind.generator.hidden.slow import FrictionShift, ThermalViscous, TorqueOffsetDrift
 
@@ -26,7 +26,7 @@ _ON_JOINTS: tuple[type[HiddenEffect], ...] = (
     Stribeck, LoadCoulomb, AsymViscous, NonlinearViscous, Presliding, Backlash, JointSpring, TorqueRipple,
     KtSaturation, ThermalViscous, TorqueOffsetDrift, TorqueDelay, KtGain, FrictionShift, Elasticity,
 )  # fmt: skip
-_ONE_JOINT: tuple[type[HiddenEffect], ...] = (*_ON_JOINTS, CableWrap)
+_ONE_JOINT: tuple[type[HiddenEffect], ...] = (*_ON_JOINTS, CableWrap, FrictionWanders)
 ON_JOINTS = {kind.name: kind for kind in _ONE_JOINT}
 _ELSEWHERE: tuple[type[WholeEffect], ...] = (Payload, LinkMass, Contact, BaseTilt, FtGain, FtCrosstalk, FtDrift)
 _IN_BANDS: tuple[type[WholeEffect], ...] = (
@@ -37,7 +37,7 @@ ELSEWHERE = {kind.name: kind for kind in _WHOLE}
 IN_BANDS = frozenset((*(kind.name for kind in _IN_BANDS), StrapSlides.name))  # only where a device is worn
 IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
 ON_ENCODERS = EncoderEccentricity.name
-OUTSIDE = (CableWrap.name, StrapSlides.name)  # of every catalogue: nobody may name them
+OUTSIDE = (CableWrap.name, FrictionWanders.name, StrapSlides.name)  # of every catalogue: nobody may name them
 ON_REQUEST = (Coupling.name, ON_ENCODERS, *OUTSIDE)  # one more sort in turn would change what every seed hides
 KINDS = (*(name for name in (*ON_JOINTS, *ELSEWHERE) if name not in ON_REQUEST), IN_LOGS)  # that take turns
 SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named

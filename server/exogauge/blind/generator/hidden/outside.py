@@ -1,5 +1,5 @@
-"""What no catalogue has a name for: a joint that is read wrongly, a cable that winds up, a strap that slides and
-returns."""
+"""What no catalogue has a name for: a joint that is read wrongly, a cable that winds up, friction that wanders, a strap
+that slides and returns."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self, final
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.dynamics import joint_torques
@@ -87,6 +88,35 @@ class CableWrap:
         wound = np.maximum(self.side * run.q - self.from_angle, 0.0)
         winding = np.tanh(self.side * run.dq / self.soft)
         return np.asarray(self.side * size * wound * np.exp(self.rub * winding * wound))
+
+
+@final
+@dataclass(frozen=True)
+class FrictionWanders:
+    """Coulomb friction is size · course [N·m] more, and viscous friction with it, `viscous` of it at 1 rad/s. The
+    course goes on from log to log, through one of `stages` where one ends and the next begins: a seal that runs in,
+    grease that spreads. Each step is one of chance, of either sign."""
+
+    stages: tuple[float, ...]
+    viscous: float
+
+    name: ClassVar[str] = "friction_wanders"
+    linear: ClassVar[bool] = True
+    reported: ClassVar[bool] = False
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        walk = np.cumsum(rng.choice([-1.0, 1.0], len(run.q) + 1) * rng.uniform(0.3, 1.0, len(run.q) + 1))
+        walk -= walk.mean()
+        return cls(tuple((walk / np.abs(walk).max()).tolist()), float(rng.uniform(0.2, 0.6)))
+
+    def largest(self, run: AxisRun) -> float:
+        return 0.7 * min(run.drive.tau_c, run.drive.k_d / self.viscous)
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        since = np.arange(len(run.q))[:, None] + run.time / (run.time[-1] + run.time[1])
+        course = PchipInterpolator(np.arange(len(self.stages)), self.stages)(since)
+        return np.asarray(size * course * (run.direction + self.viscous * run.dq))
 
 
 @final
