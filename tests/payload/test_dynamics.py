@@ -218,7 +218,7 @@ def test_tools_with_the_noise_of_who_published_them_are_told_with_their_doubt(le
                 held.append(np.abs(found.value[:10] - of.phi) < 1.96 * found.std[:10])
             off.append(tools.errors(of, found.value[:10]))
     assert 0.88 < np.mean(inside["gtls"]) < 0.98
-    assert np.mean(inside["ls"]) < 0.8  # whose regressor is taken to be exact
+    assert np.mean(inside["ls"]) > 0.84  # whose regressor is taken to be exact: how that bends it is in the doubt
     mass, centre, _ = np.mean(off, axis=0) / tools.NOISE[level]
     assert mass < 0.5
     assert centre < 2.0

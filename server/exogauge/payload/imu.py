@@ -12,8 +12,13 @@ from exogauge.criteria.payload_static import USUAL, Standing
 
 Array = NDArray[np.float64]
 
-LAG, PLACE, AXES, BIAS = 0, slice(1, 4), slice(4, 13), slice(13, 16)
-SIZE = 16  # [lag, place, matrix row by row, bias]
+
+@final
+class Open:
+    """Where they stand in what is left open of an IMU: [lag, place, matrix row by row, bias]."""
+
+    LAG, PLACE, AXES, BIAS = 0, slice(1, 4), slice(4, 13), slice(13, 16)
+    SIZE = 16
 
 
 @final
@@ -30,7 +35,7 @@ class ImuFrame:
     matrix: Array
     lag_s: float = 0.0
     place: Array = field(default_factory=lambda: np.zeros(3))
-    covariance: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
+    covariance: Array = field(default_factory=lambda: np.zeros((Open.SIZE, Open.SIZE)))
 
     @property
     def angle(self) -> float:
@@ -39,12 +44,12 @@ class ImuFrame:
 
     @property
     def lag_std_s(self) -> float:
-        return float(np.sqrt(self.covariance[LAG, LAG]))
+        return float(np.sqrt(self.covariance[Open.LAG, Open.LAG]))
 
     @property
     def place_std(self) -> Array:
         """(3,) [m]"""
-        return np.sqrt(np.diag(self.covariance)[PLACE])
+        return np.sqrt(np.diag(self.covariance)[Open.PLACE])
 
     @property
     def root(self) -> Array:
@@ -57,8 +62,9 @@ class ImuFrame:
         """a - g (T, 3) of the sensor's origin in {S}, and its slopes (T, 3, 16) by what its covariance is of. read,
         rate: (T, 3) in the IMU's axes and its derivative, `lag_s` taken off; about: (T, 3, 3) [α]× + [ω]×²."""
         proper = read @ self.matrix.T + self.bias - about @ self.place
-        slopes = np.zeros((len(read), 3, SIZE))
-        slopes[:, :, LAG], slopes[:, :, PLACE], slopes[:, :, BIAS] = rate @ self.matrix.T, -about, np.eye(3)
+        slopes = np.zeros((len(read), 3, Open.SIZE))
+        slopes[:, :, Open.LAG], slopes[:, :, Open.PLACE] = rate @ self.matrix.T, -about
+        slopes[:, :, Open.BIAS] = np.eye(3)
         for i in range(3):
             slopes[:, i, 4 + 3 * i : 7 + 3 * i] = read
         return np.asarray(proper), slopes
@@ -66,8 +72,8 @@ class ImuFrame:
     def moved(self, by: Array, covariance: Array) -> ImuFrame:
         """by: (16,) that is added."""
         return replace(
-            self, lag_s=self.lag_s + float(by[LAG]), place=self.place + by[PLACE],
-            matrix=self.matrix + by[AXES].reshape(3, 3), bias=self.bias + by[BIAS], covariance=covariance,
+            self, lag_s=self.lag_s + float(by[Open.LAG]), place=self.place + by[Open.PLACE],
+            matrix=self.matrix + by[Open.AXES].reshape(3, 3), bias=self.bias + by[Open.BIAS], covariance=covariance,
         )  # fmt: skip
 
 
@@ -91,7 +97,7 @@ def find_axes(acceleration: Array, rotation: Array, gravity: Array, criteria: St
         free = 1.0 - float(np.trace(inverse @ columns.T @ columns)) / noise**2 / len(up) if noise > 0.0 else 1.0
         rest = left - columns @ Y
         noise = float(np.sqrt(np.mean(rest**2) / max(free, 1.0 / len(up))))
-    covariance = np.zeros((SIZE, SIZE))
+    covariance = np.zeros((Open.SIZE, Open.SIZE))
     for i in range(3):
         at = [4 + 3 * i, 5 + 3 * i, 6 + 3 * i, 13 + i]
         covariance[np.ix_(at, at)] = inverse

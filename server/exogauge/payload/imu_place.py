@@ -13,7 +13,7 @@ from exogauge.criteria.payload_dynamic import USUAL as MOVING
 from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.payload.dynamics import Prior, coloured
-from exogauge.payload.imu import LAG, PLACE, SIZE, ImuFrame
+from exogauge.payload.imu import ImuFrame, Open
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def find_place(frame: ImuFrame, rows: Rows, body: Prior, stated: float | None, c
     """Where it sits and how late it is, at which wrenches are explained best by a body that is known so well. stated:
     std [s] of a delay that is known; None where it is sought."""
     covariance = frame.covariance.copy()
-    covariance[PLACE, PLACE] = criteria.imu_place_m**2 * np.eye(3)
+    covariance[Open.PLACE, Open.PLACE] = criteria.imu_place_m**2 * np.eye(3)
     frame = replace(frame, covariance=covariance)
     if stated is None:
         latest = criteria.latest_imu_s
@@ -90,19 +90,19 @@ def _gram(parts: Sequence[Array]) -> tuple[Array, int]:
 def _solved(gram: Array, body: Prior, frame: ImuFrame, weight: float, lag_std: float) -> tuple[Array, Array]:
     """v = [-x, -ψ, 1], and (26, 26) of the inverse of what x, ψ are solved with. gram: of [A, J, b]; lag_std: [s] of
     the lag beside it; 0 holds it, infinity frees it."""
-    known = np.zeros((10 + SIZE, 10 + SIZE))
+    known = np.zeros((10 + Open.SIZE, 10 + Open.SIZE))
     known[:10, :10] = np.linalg.inv(body.covariance[:10, :10])
     held = np.flatnonzero(np.diag(frame.covariance) > 0.0)
     known[np.ix_(10 + held, 10 + held)] = np.linalg.inv(frame.covariance[np.ix_(held, held)])
     free = [*range(10), *(10 + held)]
     if lag_std > 0.0:
-        free.append(10 + LAG)
-        known[10 + LAG, 10 + LAG] = lag_std**-2.0
+        free.append(10 + Open.LAG)
+        known[10 + Open.LAG, 10 + Open.LAG] = lag_std**-2.0
     H = weight * gram[np.ix_(free, free)] + known[np.ix_(free, free)]
     right = weight * gram[free, -1] + known[np.ix_(free, range(10))] @ body.value[:10]
     scale = 1.0 / np.sqrt(np.diag(H))
     inverse = np.linalg.inv(scale[:, None] * H * scale) * np.outer(scale, scale)
-    v, whole = np.zeros(len(gram)), np.zeros((10 + SIZE, 10 + SIZE))
+    v, whole = np.zeros(len(gram)), np.zeros((10 + Open.SIZE, 10 + Open.SIZE))
     v[free], v[-1] = -(inverse @ right), 1.0
     whole[np.ix_(free, free)] = inverse
     return v, whole

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.dynamics import Rows, dynamic_rows, static_prior
-from exogauge.payload.imu import LAG, ImuFrame, find_axes
+from exogauge.payload.imu import ImuFrame, Open, find_axes
 from exogauge.payload.imu_place import farther_lag, find_place
 from exogauge.payload.intake import Payload, Recording
 from exogauge.payload.prepare import carried_of, into_sensor, low_passed, std_of
@@ -68,7 +68,7 @@ def placed_imu(payload: Payload, postures: Postures, gravity: Array, criteria: C
         file = acceleration.file if acceleration else ""
         raise BadStudy(Fault(detail, "clocks_apart", advice, file, None, imu.acceleration[0], f"{other:.2f} s"))
     if known is None:
-        found.covariance[LAG, LAG] += clocks**2
+        found.covariance[Open.LAG, Open.LAG] += clocks**2
     return found
 
 

@@ -14,15 +14,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WAVES = 50  # of the series
-
 
 def rounded_mean(step: float, noise: float) -> float:
     """Std of the error that rounding to steps leaves in the mean of many samples: all of it where the noise before it,
     of this std, is small against a step; none where it is as large as one."""
     if step == 0.0:
         return 0.0
-    k = np.arange(1, WAVES + 1)
+    k = np.arange(1, 51)
     waves = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * noise / step) ** 2)
     return float(np.sqrt(np.sum(waves**2) / 2.0))
 
@@ -47,7 +45,7 @@ class Rounding:
         looks like a gain."""
         out = np.zeros((A.shape[2], A.shape[2]))
         for i in np.flatnonzero(self.step):
-            for k in range(1, WAVES + 1):
+            for k in range(1, 51):
                 size = self.step[i] / (np.pi * k) * np.exp(-2.0 * (np.pi * k * self.noise[i] / self.step[i]) ** 2)
                 if size < 1e-3 * self.step[i]:
                     break
