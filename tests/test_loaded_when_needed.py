@@ -14,6 +14,12 @@ OPEN = """
 import exogauge.payload.intake, exogauge.studies.intake.admit, exogauge.studies.intake.open
 import exogauge.studies.series.recorded_motion
 """
+UPLOAD = """
+import exogauge.payload.intake, exogauge.studies.intake.open, exogauge.studies.intake.read_log
+import numpy as np
+from exogauge.logs.noise import quantisation_step
+assert quantisation_step(0.5 * np.arange(30.0)) == 0.5
+"""
 DOCTOR = """
 import exogauge.studies.intake.admit, exogauge.studies.intake.open
 import exogauge.studies.results.examine_logs, exogauge.studies.words.notices
@@ -38,6 +44,7 @@ except SystemExit:
 STEPS = {  # each loads what those before it do, and more; and what it does not
     "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
     "effects": (EFFECTS, {*SHELL, *PAGES, *SLOW, "numba", "pyarrow"}),
+    "upload": (UPLOAD, {*SHELL, *PAGES, *SLOW, "numba", "scipy.linalg", "h5py", "rosbags"}),
     "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
     "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
     "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
@@ -65,7 +72,10 @@ def test_what_a_command_does_not_use_is_not_loaded(step: str, loaded: dict[str, 
 
 @pytest.mark.slow
 def test_a_service_loads_no_numerics() -> None:
-    (loaded,) = loaded_after("import exogauge.api.app")
+    by_command, loaded = loaded_after(
+        "import exogauge.jobs.schema, exogauge.storage.accounts", "import exogauge.api.app"
+    )
+    assert not by_command & {"fastapi", "uvicorn", "viser"}, "of a command beside the database"
     assert not loaded & SERVICE
 
 

@@ -18,10 +18,9 @@ from exogauge import tracing
 from exogauge.api.app import create_app, has_accounts
 from exogauge.api.connection import Limits, connection_within
 from exogauge.errors import BadInput, Fault, Unavailable
-from exogauge.jobs.engine import migrate_engine
+from exogauge.jobs.schema import prepare
 from exogauge.jobs.supervisor import Supervisor, leave_with_parent
 from exogauge.settings import Settings, refuse_open_house
-from exogauge.storage import migrate
 from exogauge.storage.held_files import own_folder
 
 WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
@@ -48,23 +47,6 @@ def say_set_up_code(settings: Settings, url: str) -> None:
         with os.fdopen(descriptor, "w", encoding="ascii") as new:
             new.write(secrets.token_urlsafe(16))
     print(f"there is no account yet: {url}/set-up takes the code {file.read_text(encoding='ascii')}", file=sys.stderr)
-
-
-def prepare(settings: Settings) -> None:
-    """Make the schema of a new database, upgrade a local SQLite file; another database is migrated by its operator."""
-    if settings.database_url.startswith("sqlite"):
-        settings.data_dir.mkdir(parents=True, exist_ok=True)
-        upgrade(settings)
-    else:
-        migrate.prepare(settings.database_url)
-        migrate_engine(settings.database_url)
-
-
-def upgrade(settings: Settings) -> str:
-    """Bring our tables and the queue's to this version; returns the revision."""
-    revision = migrate.upgrade(settings.database_url)
-    migrate_engine(settings.database_url)
-    return revision
 
 
 def listening(host: str, port: int) -> socket.socket:

@@ -2,6 +2,7 @@
 
 import itertools
 import sys
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -29,8 +30,11 @@ def rms(values):
     return float(np.sqrt(np.mean(values**2)))
 
 
+designed = cache(partial(butter, fs=RATE, output="sos"))
+
+
 def low_pass(values, cutoff_hz=10.0, order=4):
-    return sosfiltfilt(butter(order, cutoff_hz, fs=RATE, output="sos"), values, axis=0)
+    return sosfiltfilt(designed(order, cutoff_hz), values, axis=0)
 
 
 def waves(rng, phase, frequencies, size):

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pyarrow as pa
 import pyarrow.parquet as pq
-from tests.identification.conftest import chain_urdf, euler, fourier, random_body
+from tests.identification.conftest import at_place, chain_urdf, euler, fourier, random_body
 
 RATE = 100.0
 JOINTS = ("j1", "j2", "j3")
@@ -60,21 +60,16 @@ def simulate(
             near = model.inertias[body].toDynamicParameters()
             model.inertias[body] = pin.Inertia.FromDynamicParameters(random_body(truth, near, 0.1))
     data, tau, wrench = model.createData(), np.empty((len(t), J)), np.empty((len(t), 6))
-    acc, gyro = np.empty((len(t), 3)), np.empty((len(t), 3))
-    R_imu, r_imu = pin.utils.rotate("x", 0.4), np.array([0.03, -0.02, 0.05])
+    full = (q, dq, ddq)
     if floating:
-        angle, rate, acceleration = (sway * each for each in fourier(rng, t, 3, 0.4))
-    for k in range(len(t)):
-        if not floating:
-            tau[k] = pin.rnea(model, data, q[k], dq[k], ddq[k])
-            continue
-        R, w, wd = euler(angle[k], rate[k], acceleration[k])
-        zero = np.zeros(3)
-        where = np.concatenate([zero, pin.Quaternion(R).coeffs(), q[k]])
-        forces = pin.rnea(model, data, where, np.r_[zero, w, dq[k]], np.r_[zero, wd, ddq[k]])
-        wrench[k], tau[k] = forces[:6], forces[6:]
-        at_imu = R.T @ [0.0, 0.0, 9.81] + np.cross(wd, r_imu) + np.cross(w, np.cross(w, r_imu))
-        acc[k], gyro[k] = R_imu.T @ at_imu, R_imu.T @ w
+        R, w, wd = euler(*(sway * each for each in fourier(rng, t, 3, 0.4)))
+        R_imu, still = pin.utils.rotate("x", 0.4), np.zeros_like(w)
+        acc = at_place(R, np.array([0.0, 0.0, 9.81]), w, wd, np.array([0.03, -0.02, 0.05])) @ R_imu
+        gyro, turned = w @ R_imu, [pin.Quaternion(each).coeffs() for each in R]
+        full = tuple(map(np.hstack, ((still, turned, q), (still, w, dq), (still, wd, ddq))))
+    for k, moved in enumerate(zip(*full, strict=True)):
+        forces = pin.rnea(model, data, *moved)
+        tau[k], wrench[k] = forces[-J:], forces[:6] if floating else 0.0
 
     def noisy(values: np.ndarray, kind: str) -> np.ndarray:
         return values + NOISE[kind] * rng.standard_normal(values.shape)

@@ -143,24 +143,20 @@ def make_log():
         assert first == (model.njoints - 1 == len(truth.phi) and floating)
         data = model.createData()
         channels, tau, wrench = {}, np.empty((len(t), J)), np.empty((len(t), 6))
+        full = (q, dq, ddq)
         if floating:
             angle, rate, acceleration = fourier(rng, t, 3, 0.7)
             shift, _, push = fourier(rng, t, 3, 0.7)
-            acc, gyro = np.empty((len(t), 3)), np.empty((len(t), 3))
+            R, w, wd = euler(angle, rate, acceleration)
+            turned = [pin.Quaternion(each).coeffs() for each in R]
+            pushed = np.einsum("tji,tj->ti", R, push)
+            full = tuple(map(np.hstack, ((shift, turned, q), (np.zeros_like(w), w, dq), (pushed, wd, ddq))))
             R_imu, r_imu = robot.T_base_imu.rotation, robot.T_base_imu.translation
-        for k in range(len(t)):
-            if not floating:
-                tau[k] = pin.rnea(model, data, q[k], dq[k], ddq[k])
-                continue
-            R, w, wd = euler(angle[k], rate[k], acceleration[k])
-            v = np.concatenate([np.zeros(3), w, dq[k]])
-            a = np.concatenate([R.T @ push[k], wd, ddq[k]])
-            full = np.concatenate([shift[k], pin.Quaternion(R).coeffs(), q[k]])
-            all_forces = pin.rnea(model, data, full, v, a)
-            wrench[k], tau[k] = all_forces[:6], all_forces[6:]
-            at_base = R.T @ (push[k] + [0, 0, 9.81])
-            acc[k] = R_imu.T @ (at_base + np.cross(wd, r_imu) + np.cross(w, np.cross(w, r_imu)))
-            gyro[k] = R_imu.T @ w
+            acc, gyro = at_place(R, push + np.array([0, 0, 9.81]), w, wd, r_imu) @ R_imu, w @ R_imu
+        for k, moved in enumerate(zip(*full, strict=True)):
+            all_forces = pin.rnea(model, data, *moved)
+            tau[k] = all_forces[-J:]
+            wrench[k] = all_forces[:6] if floating else 0.0
         C = robot.axes_from_joints
         axis_dq, axis_ddq, axis_tau = dq @ C.T, ddq @ C.T, tau @ np.linalg.inv(C)
         moving = np.abs(axis_dq) > 1e-6
@@ -185,17 +181,25 @@ def make_log():
 
 
 def euler(angle, rate, acceleration):
-    """Rotation Rz Ry Rx (world from base) and the body-frame angular velocity and acceleration."""
-    x, y = angle[0], angle[1]
-    R = pin.rpy.rpyToMatrix(*angle)
-    E = np.array([[1, 0, -np.sin(y)], [0, np.cos(x), np.cos(y) * np.sin(x)], [0, -np.sin(x), np.cos(y) * np.cos(x)]])
-    dx, dy = rate[0], rate[1]
-    dE = np.array([
-        [0, 0, -np.cos(y) * dy],
-        [0, -np.sin(x) * dx, -np.sin(y) * dy * np.sin(x) + np.cos(y) * np.cos(x) * dx],
-        [0, -np.cos(x) * dx, -np.sin(y) * dy * np.cos(x) - np.cos(y) * np.sin(x) * dx],
-    ])  # fmt: skip
-    return R, E @ rate, E @ acceleration + dE @ rate
+    """(T, 3) each -> (T, 3, 3) Rz Ry Rx (world from base), (T, 3) angular velocity and acceleration in the base."""
+    R = np.array([pin.rpy.rpyToMatrix(*each) for each in angle])
+    (sx, sy), (cx, cy) = np.sin(angle.T[:2]), np.cos(angle.T[:2])
+    (x, y, z), (ddx, ddy, ddz) = rate.T, acceleration.T
+    w = np.column_stack([x - sy * z, cx * y + cy * sx * z, cy * cx * z - sx * y])
+    turning = (
+        -cy * y * z,
+        -sx * x * y + (cy * cx * x - sy * y * sx) * z,
+        -cx * x * y - (sy * y * cx + cy * sx * x) * z,
+    )
+    own = [ddx - sy * ddz, cx * ddy + cy * sx * ddz, cy * cx * ddz - sx * ddy]
+    return R, w, np.column_stack(own) + np.column_stack(turning)
+
+
+def at_place(R, up, w, wd, r):
+    """(T, 3) what an accelerometer at r of a body feels, in its axes. up: (3,) or (T, 3) acceleration of its origin
+    less gravity, in the world."""
+    felt = np.einsum("tji,tj->ti", R, np.broadcast_to(up, w.shape))
+    return felt + np.cross(wd, r) + np.cross(w, np.cross(w, r))
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 from exogauge.errors import BadStudy, Fault
+from exogauge.garbage import left_while_loading
 from exogauge.progress import Stage
 
 LEASE_S = 3.0
@@ -76,8 +77,9 @@ def starts(ledger: Path) -> int:
 def main() -> None:
     import logging
 
-    from exogauge.jobs import claims, engine, recipes, worker
-    from exogauge.settings import Settings
+    with left_while_loading():
+        from exogauge.jobs import claims, engine, recipes, worker
+        from exogauge.settings import Settings
 
     logging.basicConfig(level=logging.INFO)
     engine.POLL_S = 0.1  # a second in service: half of what these jobs take
@@ -89,7 +91,8 @@ def main() -> None:
         idle_s = float(os.environ.get("BURN_UNTIL_IDLE", "inf"))
         worker.work(Settings(), with_parent="--with-parent" in sys.argv, idle_s=idle_s, lease_s=LEASE_S)
     else:
-        from exogauge.serving import serve
+        with left_while_loading():
+            from exogauge.serving import serve
 
         serve(Settings(), worker_command=[sys.executable, __file__, "work", "--with-parent"])
 

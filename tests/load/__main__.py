@@ -35,7 +35,7 @@ import psycopg
 import sqlalchemy as sa
 from tests.whole_service import SERVER, Service, database, descendants, small_study
 
-from exogauge import serving
+from exogauge.jobs import schema
 from exogauge.settings import Settings
 from exogauge.storage import tables
 from exogauge.storage.accounts import Accounts
@@ -118,7 +118,7 @@ def told(what: str, found: float, aim: float, unit: str, more: str = "") -> bool
 
 def prepare(settings: Settings) -> str:
     """A lab with accounts; returns a token of its."""
-    serving.prepare(settings)
+    schema.prepare(settings)
     installation = open_installation(settings)
     with installation.session() as session:
         account = Accounts(session).add("a@load.example", "A", None)

@@ -93,10 +93,11 @@ def payload(folder: str) -> dict[str, Any]:
     """payload.yaml, every log from its first row to its last, and the robot of its plan at home."""
     from exogauge.errors import BadStudy, Fault
     from exogauge.payload.intake import open_payload, summary
-    from exogauge.payload.planning.plan import open_plan
 
     opened = open_payload(Path(folder))
     if opened.file.plan is not None:
+        from exogauge.payload.planning.plan import open_plan  # and all that finds motions
+
         open_plan(Path(folder))
     elif not opened.recordings:
         advice = "Name `logs` to identify it, or add `plan`."

@@ -82,7 +82,7 @@ def sign_out(options: argparse.Namespace) -> int:
 
 
 def list_accounts(_: argparse.Namespace) -> int:
-    from exogauge.serving import prepare
+    from exogauge.jobs.schema import prepare
     from exogauge.settings import Settings
     from exogauge.storage.accounts import Accounts
     from exogauge.storage.store import open_installation
@@ -108,7 +108,7 @@ def list_accounts(_: argparse.Namespace) -> int:
 def add_account(options: argparse.Namespace) -> int:
     from exogauge.api.passwords import checked, hash_of
     from exogauge.api.session import parsed_email
-    from exogauge.serving import prepare
+    from exogauge.jobs.schema import prepare
     from exogauge.settings import Settings
     from exogauge.storage.accounts import Accounts
     from exogauge.storage.store import open_installation

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from exogauge.cli.endings import Commands
 from exogauge.cli.sample import add_realism
+from exogauge.garbage import left_while_loading
 
 
 def add_commands(commands: Commands) -> None:
@@ -53,7 +54,8 @@ def start_server(options: argparse.Namespace) -> int:
             os.environ[f"EXOGAUGE_{key.upper()}"] = str(value)
     settings = Settings()
     refuse_open_house(settings)  # at once: before all that serves is loaded
-    from exogauge.serving import serve
+    with left_while_loading():
+        from exogauge.serving import serve
 
     serve(settings, with_parent=options.with_parent)
     return 0
@@ -61,15 +63,17 @@ def start_server(options: argparse.Namespace) -> int:
 
 def start_worker(options: argparse.Namespace) -> int:
     import exogauge.jobs.code_version  # noqa: F401 (files are hashed before they are used)
-    from exogauge.jobs.worker import work
-    from exogauge.settings import Settings
+
+    with left_while_loading():
+        from exogauge.jobs.worker import work
+        from exogauge.settings import Settings
 
     work(Settings(), with_parent=options.with_parent, idle_s=options.until_idle)
     return 0
 
 
 def upgrade_database(_: argparse.Namespace) -> int:
-    from exogauge.serving import upgrade
+    from exogauge.jobs.schema import upgrade
     from exogauge.settings import Settings
 
     print(f"the database is at revision {upgrade(Settings())}")

@@ -20,7 +20,7 @@ from exogauge.identification.solution import Solution
 from exogauge.identification.thinned import at_all, thinned
 from exogauge.identification.type_b import TypeB
 from exogauge.logs.derivatives import differentiate
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Robot, drifts_in_doubt
 from exogauge.robots.rows import RowType
 from exogauge.side_by_side import each as side_by_side
 
@@ -116,18 +116,6 @@ def _changes_of_base(
             yield name, turned(axis, motion.acc, motion.gyro, motion.gyro_dot, r)
     if (name := f"{CLOCK}.{IMU}") in declared:
         yield name, BaseChange(*(differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot)))
-
-
-def drifts_in_doubt(robot: Robot) -> dict[str, Array]:
-    """Each drift that is declared -> (A,) standard deviation of every motor's share; of k_T none where torque is
-    logged."""
-    declared, driven = robot.declared, np.array([joint.actuation == "current" for joint in robot.joints])
-    found = {
-        "kt_drift": declared.kt_drift * driven,
-        "viscous_drift": np.full(len(driven), declared.viscous_drift),
-        "coulomb_drift": np.full(len(driven), declared.coulomb_drift),
-    }
-    return {name: size for name, size in found.items() if size.any()}
 
 
 def drift_columns(equations: Equations, xi: Array, prepared: Prepared, at: IntArray) -> dict[str, Array]:

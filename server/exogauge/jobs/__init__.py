@@ -5,4 +5,5 @@
 - `worker`, `attempt`, `compute`, `child`: one job, in a process of its own
 - `plans_beside`: what is laid beside a study for it
 - `supervisor`: workers are kept alive
+- `schema`: the tables of a database, made or brought to this version
 """

@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.errors import BadInput, DiskFull, ExogaugeError, no_room
+from exogauge.garbage import left_while_loading
 from exogauge.jobs.code_version import hold_to
 from exogauge.progress import Stage
 
@@ -66,7 +67,8 @@ class Replies:
 def resolve(name: str) -> Callable[..., None]:
     """The function named `package.module:function`."""
     module, _, function = name.partition(":")
-    found: Callable[..., None] = getattr(importlib.import_module(module), function)
+    with left_while_loading():
+        found: Callable[..., None] = getattr(importlib.import_module(module), function)
     return found
 
 

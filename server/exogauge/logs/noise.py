@@ -81,14 +81,21 @@ def quantisation_step(values: Array) -> float | None:
 
     Decimals of a text file are a lattice too: they limit the log just as a converter does.
     """
-    from exogauge.loops.lattice import spacing_of
-
     many = 50_000  # values show a lattice as well as all do, and sort faster
-    values = values[:: 1 + values.size // many]
+    values = np.sort(values[:: 1 + values.size // many])
     if values.size == 0:
         return None
-    step = spacing_of(np.sort(values), LOGS.few_levels)
-    return None if math.isnan(step) else step
+    largest = max(abs(values[0]), abs(values[-1]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        single, apart = np.array_equal(values.astype(np.float32), values), np.diff(values)
+    spacing = apart[apart > (1e-6 if single else 1e-11) * largest]
+    if not spacing.size or (spacing.size < LOGS.few_levels and values.size < 4 * (1 + np.count_nonzero(apart))):
+        return None
+    step = float(np.median(spacing[spacing < 1.5 * spacing.min()]))
+    multiples = spacing / step
+    multiples = multiples[multiples < 100.0]  # further ones sum up the rounding of the representation
+    met = np.abs(multiples - np.round(multiples)) < 0.02 * np.maximum(1.0, multiples / 10.0)
+    return step if np.count_nonzero(met) > 0.95 * met.size else None
 
 
 def _spreads(values: Array, segments: int) -> Array:

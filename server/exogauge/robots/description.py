@@ -221,3 +221,15 @@ class KnownLoad:
     def phi(self) -> Array:
         """(10,) as stated, of the body it is fixed to."""
         return np.asarray(self.columns @ self.mean)
+
+
+def drifts_in_doubt(robot: Robot) -> dict[str, Array]:
+    """Each drift that is declared -> (A,) standard deviation of every motor's share; of k_T none where torque is
+    logged."""
+    declared, driven = robot.declared, np.array([joint.actuation == "current" for joint in robot.joints])
+    found = {
+        "kt_drift": declared.kt_drift * driven,
+        "viscous_drift": np.full(len(driven), declared.viscous_drift),
+        "coulomb_drift": np.full(len(driven), declared.coulomb_drift),
+    }
+    return {name: size for name, size in found.items() if size.any()}

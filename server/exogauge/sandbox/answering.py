@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+from exogauge.garbage import looked_for_seldom
 from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 
 STOPS = {errno.EFBIG: "FileTooLarge"}
@@ -23,6 +24,7 @@ def serve(tasks: Tasks) -> NoReturn:
     The interpreter is not taken down: a thread of Arrow that still reads ahead then aborts the process now and then
     (https://github.com/apache/arrow/issues/34314), and nothing is left to be tidied in a process of one answer.
     """
+    looked_for_seldom()
     request = json.load(sys.stdin)
     from exogauge.sandbox.limits import Limits
 

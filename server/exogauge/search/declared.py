@@ -20,7 +20,6 @@ from exogauge.identification.disturbances import (
     ZERO,
     common_columns,
     drift_columns,
-    drifts_in_doubt,
     zero_columns,
     zeros_in_doubt,
 )
@@ -29,6 +28,7 @@ from exogauge.identification.preparation import DRIVE, wrench_channels
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.logs.noise_colour import hidden_noise
+from exogauge.robots.description import drifts_in_doubt
 from exogauge.robots.rows import RowType
 from exogauge.search.baseline import LogResiduals
 from exogauge.search.locate import all_channels, located

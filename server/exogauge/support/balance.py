@@ -13,7 +13,6 @@ from exogauge.identification.disturbances import (
     ZERO,
     common_columns,
     drift_columns,
-    drifts_in_doubt,
     zero_columns,
     zeros_in_doubt,
 )
@@ -22,6 +21,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters, of_x
 from exogauge.identification.preparation import Prepared
 from exogauge.logs.model import Log
+from exogauge.robots.description import drifts_in_doubt
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -19,11 +19,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.disturbances import DRIFTS, ZERO, drift_columns, drifts_in_doubt
+from exogauge.identification.disturbances import DRIFTS, ZERO, drift_columns
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.session import Session, session
 from exogauge.logs.model import Log
+from exogauge.robots.description import drifts_in_doubt
 from exogauge.support.balance import Balance, of_this_log
 from exogauge.support.coloured import by_autocovariance
 from exogauge.support.settings import PlainLog

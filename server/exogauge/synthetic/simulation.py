@@ -92,19 +92,21 @@ def simulate(
     servo = _Servo(angle_goal[0], encoder_step)
     k_T, tau_o = np.array([d.k_T for d in drives]), np.array([d.tau_o for d in drives])
     friction, load = _Friction(robot), None if state is None or not state.load.any() else state.load
+    q, v, applied, lossy = data.qpos[7:], data.qvel[6:], data.qfrc_applied[6:], model.dof_frictionloss[6:]  # as it is
     log: list[Array] = []
     for step in range(-settle, steps):
         goal = max(step, 0)
         if state is not None and (step - first) % 1000 == 0:
             k_T = _warmed(model, drives, friction, *state.factors((step - first) * TIME_STEP))
-        current = servo.current(data.qpos[7:], angle_goal[goal], rate_goal[goal])
-        data.qfrc_applied[6:] = k_T * current + tau_o
-        model.dof_frictionloss[6:] = friction.limit(data.qvel[6:])
+        current = servo.current(q, angle_goal[goal], rate_goal[goal])
+        applied[:] = k_T * current + tau_o
+        lossy[:] = friction.limit(v)
         if load is not None:
-            model.dof_frictionloss[6:] += load * np.abs(_passed_on(model, data))
-        before = (data.qpos[7:].copy(), data.qvel[6:].copy())
+            lossy += load * np.abs(_passed_on(model, data))
+        kept = step >= first and (step - first) % every == 0
+        before = (q.copy(), v.copy()) if kept else ()
         mujoco.mj_step(model, data)
-        if step >= first and (step - first) % every == 0:
+        if kept:
             joints = (*before, data.qacc[6:], current, _friction_force(data), data.qfrc_spring[6:])
             log.append(np.concatenate([*joints, data.qacc[3:6], data.sensordata, data.ten_length]))
         if step % 1000 == 0:
@@ -124,6 +126,7 @@ class _Servo:
         self.stiffness = np.array([d.stiffness / d.k_T for d in drives])
         self.damping = np.array([d.damping / d.k_T for d in drives])
         self.most = np.array([d.effort / d.k_T for d in drives])
+        self.least = -self.most
         self.step = step
         self.angle, self.rate = np.rint(start / step), np.zeros(len(start))
         self.share = 1.0 - np.exp(-2 * np.pi * _VELOCITY_FILTER_HZ * TIME_STEP)
@@ -135,7 +138,7 @@ class _Servo:
         self.angle = counts
         wanted = self.stiffness * (angle_goal - counts * self.step) + self.damping * (rate_goal - self.rate)
         stepped = np.rint(wanted / COMMAND_STEP) * COMMAND_STEP
-        return np.asarray(np.minimum(np.maximum(stepped, -self.most), self.most))
+        return np.asarray(np.minimum(np.maximum(stepped, self.least), self.most))
 
 
 @final

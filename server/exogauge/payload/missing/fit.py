@@ -9,7 +9,6 @@ from typing import final
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.payload.missing.effect import Effect, Frame
@@ -204,4 +203,4 @@ def _late(columns: Array, stretch: Stretch, named: Sequence[Named]) -> Array:
     if seconds == 0.0 or stretch.still:
         return columns
     at = np.clip(stretch.time - seconds, stretch.time[0], stretch.time[-1])
-    return np.asarray(CubicSpline(stretch.time, columns)(at))
+    return np.asarray(scipy.interpolate.CubicSpline(stretch.time, columns)(at))

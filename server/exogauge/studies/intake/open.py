@@ -15,14 +15,13 @@ from pydantic import ValidationError
 from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
-from exogauge.identification.disturbances import drifts_in_doubt
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.doctor import dead_moments
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
 from exogauge.logs.whole_turns import in_one_course
 from exogauge.remarks import About, Remark
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Robot, drifts_in_doubt
 from exogauge.robots.urdf_check import idle_joints, impossible_density, limits_in_degrees, raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
