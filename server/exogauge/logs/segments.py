@@ -19,9 +19,6 @@ from exogauge.logs.even_stamps import jitter_followed
 from exogauge.logs.model import Beside, Log, Note
 from exogauge.logs.resampling import uniform
 
-MOST_TOLD = 5  # places of a kind, in one note
-
-
 def segments(log: Log, first: int = 0, dead: Mapping[str, Sequence[slice]] = MappingProxyType({})) -> list[Log]:
     """The stretches of the log without a gap, in order; the log itself where it has none.
 
@@ -113,9 +110,14 @@ def _of_gaps(log: Log, step: NDArray[np.float64], places: Sequence[int], nominal
 
 def _of_dead(log: Log, dead: Mapping[str, Sequence[slice]]) -> Iterator[str]:
     for channel, spans in dead.items():
-        where = [f"{log.time[each.start]:.4g} to {log.time[each.stop - 1]:.4g} s" for each in spans[:MOST_TOLD]]
-        more = f" and {len(spans) - MOST_TOLD} more times" if len(spans) > MOST_TOLD else ""
-        yield f"{channel} of {log.recording!r} does not change while joints move, t = {', '.join(where)}{more}"
+        where = _listed([f"{log.time[each.start]:.4g} to {log.time[each.stop - 1]:.4g} s" for each in spans])
+        yield f"{channel} of {log.recording!r} does not change while joints move, t = {where}"
+
+
+def _listed(places: Sequence[str]) -> str:
+    most_told = 5
+    more = f" and {len(places) - most_told} more" if len(places) > most_told else ""
+    return f"{', '.join(places[:most_told])}{more}"
 
 
 def _told(
@@ -126,9 +128,8 @@ def _told(
     short = [piece for piece in pieces if piece not in long]
     if short:
         lost = sum(log.time[b - 1] - log.time[a] for a, b in short)
-        rows = ", ".join(f"{first + a}-{first + b}" for a, b in short[:MOST_TOLD])
-        more = f" and {len(short) - MOST_TOLD} more" if len(short) > MOST_TOLD else ""
-        detail += f". Left out, as shorter than {LOGS.shortest_part_s:g} s: rows {rows}{more}, {lost:.3g} s in all"
+        rows = _listed([f"{first + a}-{first + b}" for a, b in short])
+        detail += f". Left out, as shorter than {LOGS.shortest_part_s:g} s: rows {rows}, {lost:.3g} s in all"
     return Note(rule, detail, "", None)
 
 
