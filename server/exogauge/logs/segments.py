@@ -19,6 +19,7 @@ from exogauge.logs.even_stamps import jitter_followed
 from exogauge.logs.model import Beside, Log, Note
 from exogauge.logs.resampling import uniform
 
+
 def segments(log: Log, first: int = 0, dead: Mapping[str, Sequence[slice]] = MappingProxyType({})) -> list[Log]:
     """The stretches of the log without a gap, in order; the log itself where it has none.
 
