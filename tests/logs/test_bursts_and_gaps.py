@@ -141,3 +141,23 @@ def test_a_log_without_gaps_is_itself() -> None:
 def test_nothing_but_gaps_is_refused_with_the_longest() -> None:
     with pytest.raises(BadLog, match="leave no stretch of 2 s"):
         segments(recording(*((k, k + 20) for k in range(200, T, 220))))
+
+
+def test_where_a_sensor_is_dead_a_log_is_cut_and_that_time_left_out() -> None:
+    whole = recording((2000, 2040))
+    dead = {"ft.foot": [slice(900, 1300)], "i.b": [slice(1250, 1400), slice(3400, 3460)]}
+    parts = segments(whole, first=50, dead=dead)
+    assert [part.name for part in parts] == ["walk_50_950", "walk_1450_2050", "walk_2050_3450", "walk_3510_4010"]
+    for part, rows in zip(parts, [(0, 900), (1400, 2000), (2000, 3400), (3460, 3960)], strict=True):
+        np.testing.assert_array_equal(part.time, whole.time[slice(*rows)])
+        np.testing.assert_array_equal(part.channels["q.a"], whole.channels["q.a"][slice(*rows)])
+    (note,) = parts[0].notes
+    assert note.rule == "cut_at_gaps"
+    for said in ("1 gap", "ft.foot", "i.b", "cut there into 4 logs"):
+        assert said in note.detail
+
+
+def test_where_a_dead_sensor_leaves_nothing_the_log_stays_whole() -> None:
+    (log,) = segments(recording(), dead={"acc.x": [slice(k, k + 200) for k in range(300, T, 500)]})
+    assert log.samples == T
+    assert not log.notes

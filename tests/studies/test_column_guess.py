@@ -48,6 +48,9 @@ def one(name: str, low: float = -1.0, high: float = 1.0, wearer: Wearer = ROBOT,
         ("l_knee_vel_degps", (-90.0, 90.0), "dq.l_knee", "deg/s"),
         ("imu_acc_z_mps2", (9.0, 10.5), "acc.z", "m/s^2"),
         ("LeftKnee_pos [deg]", (-5.0, 60.0), "q.l_knee", "deg"),
+        ("l_knee_q_dot [rad/s]", SMALL, "dq.l_knee", "rad/s"),
+        ("l_knee_theta_ddot [rad/s^2]", SMALL, "ddq.l_knee", "rad/s^2"),
+        ("l_knee_current_q [A]", SMALL, "i.l_knee", "A"),
         ("RightFootForceSensor_fz [N]", (0.0, 700.0), "ft.r_foot.fz", "N"),
         ("RightFootForceSensor_cx [Nm]", SMALL, "ft.r_foot.mx", "Nm"),
     ],
@@ -65,6 +68,7 @@ def test_a_name_that_leaves_one_reading_is_sure(name: str, span: tuple[float, fl
         ("torso_yaw_torque", (-30.0, 30.0), "tau.torso_yaw", "Nm", "Nm is usual"),
         ("l_knee_current", (-3000.0, 3000.0), "i.l_knee", "mA", "mA is usual"),
         ("l_knee_motor_pos [rad]", (-100.0, 200.0), "q.l_knee", "rad", "motor's side"),
+        ("l_knee_omega", SMALL, "dq.l_knee", "rad/s", "rate of the joint"),
         ("l_foot_fz", (0.0, 700.0), "ft.l_foot.fz", "N", "N is usual"),
         ("gyro_x", (-120.0, 90.0), "gyro.x", "deg/s", "deg/s is usual"),
     ],
@@ -99,7 +103,7 @@ def test_a_joint_that_only_fits_its_limits_the_other_way_round_is_suggested_with
         ("battery_voltage", "ignore"),
         ("l_knee_desired_pos", "commanded"),
         ("l_knee_status", "what of it was measured"),
-        ("l_knee_error_deg", "what of it was measured"),
+        ("l_knee_error_deg", "not what was measured"),
         ("wrist_pos", "No joint of the robot"),
         ("head_fz", "which sensor"),
         ("l_knee_pos [A]", "no unit of q"),
@@ -310,6 +314,27 @@ def test_a_part_of_the_torque_that_a_model_tells_is_not_the_measured_one(stem: s
     both = [Seen(each.format(k), *SMALL) for each in ("tau_J{}", stem) for k in range(3)]
     found = guess(both, ARM, {})
     assert [name for name, each in found.items() if isinstance(each, Suggestion)] == [f"tau_J{k}" for k in range(3)]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "l_knee_position_error", "error.l_knee.pos", "l_knee_torque_limit", "l_knee_pos_std", "l_knee_encoder_counts",
+        "l_knee_torque [%]", "l_knee_tau_offset", "bus_current_l_knee", "gyro_bias_x", "l_knee_temperature_gradient",
+        "l_knee_tau_friction", "l_knee_model_torque", "l_knee_current_d",
+    ],
+)  # fmt: skip
+def test_what_is_told_beside_a_quantity_is_not_taken_for_it(name: str) -> None:
+    found = one(name)
+    assert isinstance(found, Advice), found
+    assert "`ignore`" in found.text
+
+
+def test_an_error_beside_a_position_keeps_neither_from_being_told() -> None:
+    found = guess([Seen(name, -0.3, 0.4) for name in ("actual.l_knee.pos", "error.l_knee.pos")], ROBOT, {})
+    said = found["actual.l_knee.pos"]
+    assert isinstance(said, Suggestion)
+    assert said.channel == "q.l_knee"
 
 
 def test_a_letter_before_an_axis_is_a_couple_only_beside_a_sensor() -> None:

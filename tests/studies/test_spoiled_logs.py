@@ -73,17 +73,10 @@ def stopped(columns: Columns) -> Columns:
     return {name: values * there if name.startswith("ft.") else values for name, values in columns.items()}
 
 
-def test_a_log_whose_foot_is_dead_for_a_third_of_it_is_neither_fitted_nor_judged_by(tmp_path: Path) -> None:
-    found = evaluated(tmp_path, recorded(True) | {"id_1": stopped(recorded(True)["id_1"])}, True)
-    (told,) = [each for each in found["notices"] if each["code"] == "logs_spoiled"]
-    assert told["names"] == ["id_1"]
-    assert "ft.plate" in told["sentence"]
-    assert "5.01 to 11.99 s" in told["sentence"]
-    for entry in found["identification"]["validation"]:
-        assert entry["log"] != "id_1"
-    errors = {each["channel"] for each in found["doctor"] if each["severity"] == "error"}
-    assert errors == {"ft.plate"}
-    assert found["discrepancy"]["findings"] == []
+def stopping(columns: Columns) -> Columns:
+    """It stops every three seconds for half of that."""
+    there = columns["t"] % 3.0 < 1.5
+    return {name: values * there if name.startswith("ft.") else values for name, values in columns.items()}
 
 
 def stuck(columns: Columns) -> Columns:
@@ -135,8 +128,7 @@ def exchanged(columns: Columns) -> Columns:
         (False, dead, "q.j2"),
         (True, dead, "q.j2"),
         (True, exchanged, "i.j3"),
-        (True, stopped, "ft.plate"),
-        (False, stuck, "i.j2"),
+        (True, stopping, "ft.plate"),
     ],
 )
 def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decided(
@@ -159,3 +151,30 @@ def test_where_no_other_is_fitted_nothing_is_named_and_no_number_counts_as_decid
     assert parameters
     assert not [each["name"] for each in parameters if each["identifiable"]]
     assert {"k_T[j1]", "tau_c[j3]"} <= set(found["identification"]["unidentifiable"])
+
+
+@pytest.mark.parametrize(
+    ("floating", "stop", "channel", "out"),
+    [(True, stopped, "ft.plate", (5.0, 12.0)), (False, stuck, "i.j2", (5.0, 6.0))],
+)
+def test_time_in_which_a_sensor_is_dead_is_left_out_and_the_rest_is_as_good_as_ever(
+    floating: bool, stop: Callable[[Columns], Columns], channel: str, out: tuple[float, float], tmp_path: Path
+) -> None:
+    logs = {name: rippled(columns) for name, columns in recorded(floating).items()}
+    whole = evaluated(tmp_path / "whole", logs, floating)
+    found = evaluated(tmp_path / "dead", {name: stop(columns) for name, columns in logs.items()}, floating)
+    assert not [each for each in found["notices"] if each["code"] in ("spoiled_fit", "logs_spoiled", "doctor_errors")]
+    told = [each for each in found["doctor"] if each["rule"] == "cut_where_dead"]
+    cut = {each["log"].rsplit("_", 2)[0] for each in told}
+    assert cut >= {"id_1", "id_2"}, "one that moves the joint little meanwhile is whole"
+    assert all(channel in each["detail"] and each["severity"] == "warning" for each in told)
+    for entry in found["identification"]["validation"]:
+        name, first, last = (entry["log"], 0, 1) if entry["log"] in logs else entry["log"].rsplit("_", 2)
+        t = logs[name]["t"]
+        assert t[int(last) - 1] <= out[0] + 0.02 or t[int(first)] >= out[1] - 0.02, entry["log"]
+    names = [[(each["effect"], each["where"]) for each in one["discrepancy"]["findings"]] for one in (whole, found)]
+    assert names[0] == names[1] != []
+    for then, now in zip(*(each["identification"]["joints"] for each in (whole, found)), strict=True):
+        for constant in ("k_T", "tau_c", "k_d"):
+            size = abs(now[constant]["value"] - then[constant]["value"])
+            assert size < 3.0 * float(np.hypot(now[constant]["std"], then[constant]["std"])), (then["joint"], constant)

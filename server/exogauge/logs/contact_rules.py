@@ -15,10 +15,26 @@ FORCE, MOMENT = ("fx", "fy", "fz"), ("mx", "my", "mz")
 
 
 def contact_stands(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """A foot, or one of its six numbers, repeats one value for long.
+    """A foot, or one of its six numbers, repeats one value for long. An error where it stands for a good part of the
+    log while joints move."""
+    for channel, spans, moving in _stopped(log, expected):
+        if _share(log, moving) > expected.criteria.frozen_share:
+            yield _told(log, channel, "error", moving, " while joints move")
+        elif spans:
+            yield _told(log, channel, "warning", spans, "")
+
+
+def contacts_stopped(log: Log, expected: Expectation) -> dict[str, list[slice]]:
+    """Where a foot that spoils the log stands while joints move, by its channels."""
+    stopped = ((channel, moving) for channel, _, moving in _stopped(log, expected))
+    return {channel: spans for channel, spans in stopped if _share(log, spans) > expected.criteria.frozen_share}
+
+
+def _stopped(log: Log, expected: Expectation) -> Iterator[tuple[str, list[slice], list[slice]]]:
+    """Channel, where it stands for long, and where joints move meanwhile.
 
     A foot in the air may read exactly nothing, as simulators and drivers with a threshold have it: then the others bear
-    the robot. An error where it stands for a good part of the log while joints move.
+    the robot.
     """
     sensors, criteria = tuple(expected.contacts), expected.criteria
     if expected.weight_n is None or not all(log.has(*_channels(sensor)) for sensor in sensors):
@@ -35,11 +51,7 @@ def contact_stands(log: Log, expected: Expectation) -> Iterator[Finding]:
     for sensor in sensors:
         for channel, repeats in _standing(log, sensor, criteria).items():
             spans = [span for span in repeats if not in_air(sensor, span)]
-            moving = [span for span in spans if joints_move(log, span, criteria)]
-            if _share(log, moving) > criteria.frozen_share:
-                yield _told(log, channel, "error", moving, " while joints move")
-            elif spans:
-                yield _told(log, channel, "warning", spans, "")
+            yield channel, spans, [span for span in spans if joints_move(log, span, criteria)]
 
 
 def _standing(log: Log, sensor: str, criteria: Examining) -> dict[str, list[slice]]:

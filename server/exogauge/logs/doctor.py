@@ -52,6 +52,11 @@ def examine(log: Log, expectation: Expectation | None = None) -> tuple[Finding, 
     return tuple(sorted(findings, key=lambda finding: ORDER[finding.severity]))
 
 
+def dead_moments(log: Log, expected: Expectation) -> dict[str, list[slice]]:
+    """Channel -> where it tells nothing while joints move, of those by which the log as a whole is spoiled."""
+    return contact_rules.contacts_stopped(log, expected) | signal_rules.sensors_stopped(log, expected)
+
+
 def _family(channel: str) -> set[str]:
     kind = kind_of(channel)
     return {channel, kind, f"{kind}.*"}

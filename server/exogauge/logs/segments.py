@@ -1,12 +1,14 @@
-"""A recording with gaps in time becomes several logs: neither filter nor derivative may reach across them. Parts
-without a gap between them are filtered as one: what lies beside a part is kept with it, and cut off again.
+"""A recording with gaps in time becomes several logs: neither filter nor derivative may reach across them. So does one
+of which a sensor was dead for a while. Parts without a gap between them are filtered as one: what lies beside a part is
+kept with it, and cut off again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,30 +20,39 @@ from exogauge.logs.model import Beside, Log, Note
 from exogauge.logs.resampling import uniform
 
 
-def segments(log: Log, first: int = 0) -> list[Log]:
+def segments(log: Log, first: int = 0, dead: Mapping[str, Sequence[slice]] = MappingProxyType({})) -> list[Log]:
     """The stretches of the log without a gap, in order; the log itself where it has none.
 
     A few missing samples (steps up to 5 periods) are bridged by interpolation. Elsewhere the log is cut, and what is
     shorter than 2 s is left out; both are said in `Log.notes`. first: data row of the file, from 0, that the log's
     first sample is: a segment is named `<log>_<start>_<stop>` by the rows that it holds, as `rows` would have it.
+    dead: where which channels tell nothing; these samples are left out as well, if anything else is long enough.
     Raises BadLog where nothing is long enough.
     """
     step = np.diff(log.time)
     nominal = float(np.median(step))
-    if not (step > LOGS.late * nominal).any():
+    out = [span for spans in dead.values() for span in spans]
+    if not out and not (step > LOGS.late * nominal).any():
         return [_on_even_clock(log)]
-    edges = [0, *(np.flatnonzero(step > LOGS.longest_gap * nominal) + 1), log.samples]
-    pieces = list(pairwise(edges))
+    gaps = (np.flatnonzero(step > LOGS.longest_gap * nominal) + 1).tolist()
+    gone = np.zeros(log.samples, dtype=bool)
+    for span in out:
+        gone[span] = True
+    edges = sorted({0, *gaps, *(np.flatnonzero(np.diff(gone)) + 1).tolist(), log.samples})
+    pieces = [(a, b) for a, b in pairwise(edges) if not gone[a]]
     long = [
         (a, b)
         for a, b in pieces
         if b - a >= LOGS.fewest_samples and log.time[b - 1] - log.time[a] >= LOGS.shortest_part_s
     ]
+    if not long and out:
+        return segments(log, first)
     if not long:
         raise BadLog(_nothing_left(log, step, nominal, first))
-    if len(pieces) == 1:
+    if len(edges) == 2:
         return [_bridged(log, step, nominal)]
-    told = _told(log, step, pieces, long, nominal, first)
+    why = [*([_of_gaps(log, step, gaps, nominal, first)] if gaps else []), *_of_dead(log, dead)]
+    told = _told(log, why, pieces, long, first, "cut_at_gaps" if gaps else "cut_where_dead")
     made = []
     for number, (a, b) in enumerate(long):
         part = Log(
@@ -89,30 +100,38 @@ def _on_even_clock(log: Log) -> Log:
     return log
 
 
-def _told(
-    log: Log,
-    step: NDArray[np.float64],
-    pieces: list[tuple[int, int]],
-    long: list[tuple[int, int]],
-    nominal: float,
-    first: int,
-) -> Note:
-    most_told = 5
-    places = [b for _, b in pieces[:-1]]
+def _of_gaps(log: Log, step: NDArray[np.float64], places: Sequence[int], nominal: float, first: int) -> str:
     gaps = "1 gap" if len(places) == 1 else f"{len(places)} gaps"
     longest = max(places, key=lambda b: step[b - 1])
-    detail = (
+    return (
         f"{log.recording!r} has {gaps} in time, the longest of {step[longest - 1]:.4g} s before row {first + longest}, "
-        f"where {nominal:.4g} s is usual: cut there into "
-        f"{'1 log' if len(long) == 1 else f'{len(long)} logs'}, each named by its rows"
+        f"where {nominal:.4g} s is usual"
     )
+
+
+def _of_dead(log: Log, dead: Mapping[str, Sequence[slice]]) -> Iterator[str]:
+    for channel, spans in dead.items():
+        where = _listed([f"{log.time[each.start]:.4g} to {log.time[each.stop - 1]:.4g} s" for each in spans])
+        yield f"{channel} of {log.recording!r} does not change while joints move, t = {where}"
+
+
+def _listed(places: Sequence[str]) -> str:
+    most_told = 5
+    more = f" and {len(places) - most_told} more" if len(places) > most_told else ""
+    return f"{', '.join(places[:most_told])}{more}"
+
+
+def _told(
+    log: Log, why: Sequence[str], pieces: list[tuple[int, int]], long: list[tuple[int, int]], first: int, rule: str
+) -> Note:
+    parts = "1 log" if len(long) == 1 else f"{len(long)} logs"
+    detail = f"{'; '.join(why)}: cut there into {parts}, each named by its rows"
     short = [piece for piece in pieces if piece not in long]
     if short:
         lost = sum(log.time[b - 1] - log.time[a] for a, b in short)
-        rows = ", ".join(f"{first + a}-{first + b}" for a, b in short[:most_told])
-        more = f" and {len(short) - most_told} more" if len(short) > most_told else ""
-        detail += f". Left out, as shorter than {LOGS.shortest_part_s:g} s: rows {rows}{more}, {lost:.3g} s in all"
-    return Note("cut_at_gaps", detail, "", None)
+        rows = _listed([f"{first + a}-{first + b}" for a, b in short])
+        detail += f". Left out, as shorter than {LOGS.shortest_part_s:g} s: rows {rows}, {lost:.3g} s in all"
+    return Note(rule, detail, "", None)
 
 
 def _nothing_left(log: Log, step: NDArray[np.float64], nominal: float, first: int) -> Fault:

@@ -60,9 +60,24 @@ def dead(log: Log, expected: Expectation) -> Iterator[Finding]:
 
 
 def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """A sensor that repeats one value for long although it usually changes with every sample.
+    """A sensor that repeats one value for long although it usually changes with every sample."""
+    for channel, span, spoils in _frozen(log, expected):
+        at, lasts = log.channels[channel][span.start], (span.stop - 1 - span.start) / log.rate_hz
+        detail = f"stands at {at:g} for {lasts:.3g} s from t = {log.time[span.start]:.6g} s"
+        advice = "the sensor or its bus stopped for a while: cut the log there"
+        severity: Severity = "error" if spoils else "warning"
+        yield Finding(severity, channel, "frozen", detail, advice, span.start + 1, float(at))
 
-    An error where it lasts for a good part of the log: of an IMU of a robot on feet, by which every joint is judged,
+
+def sensors_stopped(log: Log, expected: Expectation) -> dict[str, list[slice]]:
+    """Where a sensor that spoils the log stands, by its channel."""
+    return {channel: [span] for channel, span, spoils in _frozen(log, expected) if spoils}
+
+
+def _frozen(log: Log, expected: Expectation) -> Iterator[tuple[str, slice, bool]]:
+    """Channel, where it stands for longest, and whether that spoils the log.
+
+    So it is where it lasts for a good part of the log: of an IMU of a robot on feet, by which every joint is judged,
     while any joint moves; of a drive while its own moves, unless it is off and coasts.
     """
     of_body = ("acc", "gyro") if expected.contacts else ()
@@ -82,15 +97,11 @@ def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
             and elsewhere < expected.criteria.alive * (repeats.size - length)
             and not at_extreme
         ):
-            detail = f"stands at {values[start]:g} for {length / log.rate_hz:.3g} s from t = {log.time[start]:.6g} s"
-            advice = "the sensor or its bus stopped for a while: cut the log there"
             span = slice(start, start + length + 1)
             driven = channel.split(".", 1)[1] if kind_of(channel) in DRIVES and values[start] != 0.0 else None
             long = length > expected.criteria.frozen_share * values.size
             counts = driven is not None or kind_of(channel) in of_body
-            spoils = long and counts and joints_move(log, span, expected.criteria, driven)
-            severity: Severity = "error" if spoils else "warning"
-            yield Finding(severity, channel, "frozen", detail, advice, start + 1, float(values[start]))
+            yield channel, span, long and counts and joints_move(log, span, expected.criteria, driven)
 
 
 def held(log: Log, expected: Expectation) -> Iterator[Finding]:

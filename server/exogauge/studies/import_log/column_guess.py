@@ -19,6 +19,7 @@ from exogauge.errors import BadLog
 from exogauge.logs.channels import parse_channel
 from exogauge.logs.units import STANDARD_GRAVITY, dimensions_of, find_unit
 from exogauge.studies.import_log.column_words import (
+    BESIDE_IT,
     FILLERS,
     KIND_OF,
     OF_TOOL,
@@ -54,6 +55,10 @@ OWN_NAME = "the contract's own name, in its own unit"
 IN_TWO = " Of seconds and nanoseconds in two columns write the sum into one."
 OF_A_MODEL = (
     "It looks like a part of the torque that a model tells, not the whole that was measured: list it under `ignore`."
+)
+BESIDE = (
+    "It looks like an error, a limit, a spread, an offset, a count or a share of it, not what was measured: list it "
+    "under `ignore`, or say what it measures."
 )
 COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
 
@@ -109,12 +114,16 @@ def _one(column: Seen, wearer: Wearer, by_number: Mapping[str, str], norms: Mapp
     kinds = kinds_in(rest)
     if "tau" in kinds and words.of_a_model:
         return Advice(OF_A_MODEL)
+    if BESIDE_IT.intersection(rest) and (named or column.name in by_number or axis_in(rest)):
+        return Advice(BESIDE)
     if "t" in kinds and (len(kinds) == 1 or column.step is not None):
         return _time(column, words)
     if named is not None and len(kinds) == 1 and kinds[0] in OF_JOINTS:
         return joint_column(column, kinds[0], named[0], words, wearer, "the name says which joint", sure=True)
     if named is not None and kinds == ("acc",):
         return joint_column(column, "ddq", named[0], words, wearer, "an acceleration of the joint", sure=False)
+    if named is not None and kinds == ("gyro",) and axis_in(rest) is None:
+        return joint_column(column, "dq", named[0], words, wearer, "a rate of the joint", sure=False)
     kind = kinds[0] if len(kinds) == 1 else _by_unit(words, [token for token in rest if not token.isdecimal()])
     if (
         column.name in by_number and kind in OF_JOINTS and not OF_TOOL.intersection(rest)

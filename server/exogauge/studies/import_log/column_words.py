@@ -17,7 +17,7 @@ from exogauge.studies.import_log.other_languages import in_english, spaced
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "stamp", "clock", "clk"),
     "q": ("q", "qpos", "pos", "position", "positions", "angle", "angles", "theta", "enc", "encoder"),
-    "dq": ("dq", "qd", "qdot", "qvel", "vel", "velocity", "velocities", "speed", "speeds"),
+    "dq": ("dq", "qd", "qdot", "dtheta", "thetadot", "qvel", "vel", "velocity", "velocities", "speed", "speeds"),
     "ddq": ("ddq", "qdd", "qddot", "qacc"),
     "i": ("i", "iq", "cur", "curr", "current", "currents", "amps"),
     "tau": ("tau", "torque", "torques", "trq", "effort", "efforts"),
@@ -43,7 +43,15 @@ COMMANDED = {
     "requested",
     "action",
 }
-OF_A_MODEL = {"ext", "external", "ff", "feedforward", "gravity", "grav", "coriolis", "residual"}  # no whole torque
+OF_A_MODEL = {  # no whole torque
+    "ext", "external", "ff", "feedforward", "gravity", "grav", "coriolis", "residual", "friction", "fric", "model",
+    "modelled", "modeled", "predicted", "disturbance", "dist",
+}  # fmt: skip
+BESIDE_IT = {  # no value of the quantity itself
+    "error", "errors", "err", "limit", "limits", "min", "max", "std", "stddev", "variance", "var", "covariance", "bias",
+    "offset", "init", "initial", "gradient", "gain", "tolerance", "threshold", "counts", "count", "ticks", "adc", "pct",
+    "percent", "bus", "supply", "battery",
+}  # fmt: skip
 OF_TOOL = {"tcp", "tool", "ee", "eef", "cartesian", "pose"}  # six numbers of it are no joints'
 FILLERS = {
     "axis", "axes", "ax", "joint", "joints", "jnt", "j",
@@ -108,7 +116,7 @@ def words_of(name: str) -> Words:
     squared = re.search(r"[_\s]([A-Za-z]+2)$", bare)
     if unit is None and squared and (found := known_unit(squared.group(1))):  # `_mps2`, no word and a number
         bare, unit = bare[: squared.start()], found
-    tokens = tokens_of(bare)
+    tokens = (*tokens_of(bare), *(("percent",) if "%" in bare else ()))
     alone = SPELLED.get(tokens[0], tokens[0] if tokens[0] != "s" else "") if len(tokens) == 1 else ""
     if unit is None and alone in ("s", "ms", "us", "ns"):  # `sec`; a letter alone may be anything
         return Words(("time",), known_unit(tokens[0]))
@@ -136,6 +144,10 @@ def known_unit(text: str) -> str | None:
 def kinds_in(tokens: Sequence[str]) -> tuple[str, ...]:
     """Quantities that the words name, each once."""
     found = tuple(dict.fromkeys(KIND_OF[token] for token in tokens if token in KIND_OF))
+    if set(found) == {"i", "q"} and "q" in tokens:  # `current_q`, which gives the torque, beside `current_d`
+        return ("i",)
+    if found == ("q",) and {"dot", "ddot"}.intersection(tokens):
+        return ("dq",) if "dot" in tokens else ("ddq",)
     if "angular" in tokens and "dq" in found:
         return ("gyro",)
     if "linear" in tokens and "acc" in found:

@@ -16,6 +16,7 @@ from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.doctor import dead_moments
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments, with_beside
 from exogauge.logs.whole_turns import in_one_course
@@ -266,18 +267,19 @@ def read_worn(study: Study) -> list[WornLog]:
 
 
 def _read(study: Study, chosen: Sequence[int]) -> list[tuple[int, Log]]:
-    """The chosen logs of study.yaml, cut at gaps in time, each with its place there; whatever column is missing from
-    any of them is told at once."""
+    """The chosen logs of study.yaml, cut at gaps in time and where a sensor is dead, each with its place there;
+    whatever column is missing from any of them is told at once."""
     entries = {study.log_names[k]: study.file.logs[k] for k in chosen}
     logs = read_entries(study.bundle, entries, study.robot_file, motor_from_joint(study.robot_file))
     faults = [fault for log in logs for fault in missing_columns(log, study.robot, entries[log.name].file[0])]
     if faults:
         raise BadLog(faults)
-    found, no_stretch = list[tuple[int, Log]](), list[Fault]()
-    for k, log in zip(chosen, in_one_course(logs, expectation(study.robot).joints), strict=True):
+    found, no_stretch, expected = list[tuple[int, Log]](), list[Fault](), expectation(study.robot)
+    for k, log in zip(chosen, in_one_course(logs, expected.joints), strict=True):
         entry = study.file.logs[k]
         try:
-            found += [(k, part) for part in segments(log, entry.rows[0] if entry.rows else 0)]
+            parts = segments(log, entry.rows[0] if entry.rows else 0, dead_moments(log, expected))
+            found += [(k, part) for part in parts]
         except BadLog as bad:
             no_stretch += [replace(fault, file=entry.file[0]) for fault in bad.faults]
     if no_stretch:
