@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 Spoil = Callable[[str, Array], Array]
@@ -24,7 +25,31 @@ OFFSETS = np.array([[0, 0, 0.2], [0, 0.05, 0.15], [0.4, 0, 0], [0.35, 0, 0.03], 
 FLANGE = np.array([0.06, 0.0, 0.0])
 HOME = np.array([0.2, -0.4, 0.3, 0.9, 0.1])
 FORCE_NOISE, MOMENT_NOISE, ANGLE_NOISE = 0.15, 0.01, 2e-5
+ROTATION, ACCELERATION = tuple(f"R{k}" for k in range(9)), ("A1", "A2", "A3")
 COLUMNS = ("stamp", *(f"act_{k}" for k in range(5)), *(f"FT_{each}" for each in ("X", "Y", "Z", "A", "B", "C")))
+
+
+@dataclass(frozen=True)
+class Imu:
+    """An accelerometer beside the sensor; rotations in place of joint angles. place: (3,) [m] in the sensor's axes;
+    gain: (3,) of its axes; late: [s]; noise: [m/s²]."""
+
+    place: Array
+    gain: Array
+    late: float = 0.0
+    noise: float = 0.02
+
+    def columns(self, seed: int, R: Array, w: Array, al: Array, acc: Array, g: Array) -> Array:
+        """(T, 12) nine entries of rotations, three of accelerations; all in {B} but place."""
+        turn = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
+        turn *= np.sign(np.linalg.det(turn))
+        rng, r = np.random.default_rng([seed, len(R)]), R @ self.place
+        proper = np.einsum("tji,tj->ti", R, acc + _cross(al, r) + _cross(w, _cross(w, r)) - g) @ turn * self.gain
+        time = PERIOD * np.arange(len(R))
+        read = CubicSpline(time, proper)(np.maximum(time - self.late, 0.0)) + 0.05
+        slips = np.swapaxes(np.cross(ANGLE_NOISE * rng.standard_normal((len(R), 1, 3)), np.eye(3)), 1, 2)
+        entries = (R + R @ slips).reshape(-1, 9)
+        return np.column_stack([entries, read + self.noise * rng.standard_normal(read.shape)])
 
 
 @dataclass(frozen=True)
@@ -108,12 +133,15 @@ def stops(rng: np.random.Generator, count: int) -> tuple[Array, Array, Array]:
 def write(
     out: Path, seed: int, *, spoil: Spoil | None = None, colour: float = 0.0, postures: int = 14, seconds: float = 16.0,
     size: float = 0.4, sees: str | None = "payload_on_sensor", tests: bool = True,
-    shaken: tuple[int, ...] = (0, 1, 2, 3, 4), noise: float = 1.0,
+    shaken: tuple[int, ...] = (0, 1, 2, 3, 4), noise: float = 1.0, imu: Imu | None = None, mass: float | None = None,
+    more: tuple[str, ...] = (),
 ) -> Truth:  # fmt: skip
     """payload.yaml, arm.urdf, still.csv, shake.csv and other.csv. colour: what one sample of the wrench's noise hands
-    on to the next. shaken: joints that move in shake.csv. noise: of what is stated, the share that the wrench has."""
+    on to the next. shaken: joints that move in shake.csv. noise: of what is stated, the share that the wrench has.
+    more: lines of payload.yaml."""
     rng = np.random.default_rng(seed)
-    m, c = rng.uniform(1.5, 4.0), np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(0.05, 0.15)])
+    drawn = rng.uniform(1.5, 4.0)
+    m, c = mass or drawn, np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(0.05, 0.15)])
     root = rng.uniform(0.03, 0.12, 3)
     turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     about_c = turn @ np.diag(m * np.array([root[1] + root[2], root[2] + root[0], root[0] + root[1]]) * 0.1) @ turn.T
@@ -142,15 +170,21 @@ def write(
         angles = q + ANGLE_NOISE * rng.standard_normal(q.shape)
         table = np.column_stack([3.0 + PERIOD * np.arange(len(q)), angles, read])
         table = table if spoil is None else spoil(name, table)
-        np.savetxt(out / f"{name}.csv", table, fmt="%.7f", delimiter=",", header=",".join(COLUMNS), comments="")
+        columns = COLUMNS
+        if imu is not None:
+            columns = (COLUMNS[0], *ROTATION, *ACCELERATION, *COLUMNS[6:])
+            table = np.column_stack([table[:, :1], imu.columns(seed, R, w, al, acc, g), table[:, 6:]])
+        np.savetxt(out / f"{name}.csv", table, fmt="%.7f", delimiter=",", header=",".join(columns), comments="")
     (out / "arm.urdf").write_text(urdf(), encoding="utf-8")
     roles = {"still": "postures", "shake": "excitation"} | ({"other": "test"} if tests else {})
     lines = [
-        "version: 1", "name: recorded elsewhere", "gravity: [0, 0, -9.81]", "sensor:", "  frame: hand",
+        "version: 1", "name: recorded elsewhere", "gravity: [0, 0, -9.81]", *more, "sensor:",
+        *(["  frame: hand"] if imu is None else []),
         *([f"  sees: {sees}"] if sees else []), f"  wrench: [{', '.join(COLUMNS[6:])}]",
         f"  noise: {{force_n: {FORCE_NOISE}, moment_nm: {MOMENT_NOISE}}}",
-        f"pose: {{urdf: arm.urdf, base_link: part0, noise_rad: {ANGLE_NOISE:f}, joints: {{"
-        + ", ".join(f"turn{k}: act_{k}" for k in range(5)) + "}}",
+        f"pose: {{noise_rad: {ANGLE_NOISE:f}, " + ("urdf: arm.urdf, base_link: part0, joints: {"
+        + ", ".join(f"turn{k}: act_{k}" for k in range(5)) + "}}" if imu is None
+        else f"rotation: [{', '.join(ROTATION)}]}}\nimu: {{acceleration: [{', '.join(ACCELERATION)}]}}"),
         "time: {column: stamp}", "logs:", *(f"  - {{file: {name}.csv, role: {role}}}" for name, role in roles.items()),
     ]  # fmt: skip
     (out / "payload.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from tests.payload import foreign
 from tests.payload.told import evaluated, hold, off, still, streamed
 
 from exogauge.errors import BadStudy, NotIdentifiable
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import open_payload
+from exogauge.payload.prepare import holds_of
 
 Array = NDArray[np.float64]
 
@@ -466,3 +468,36 @@ def test_clocks_that_are_a_little_more_apart_than_a_filter_makes_them_are_told(t
         evaluated(tmp_path)
     assert refused.value.faults[0].rule == "clocks_apart"
     assert "0.064 s late" in str(refused.value)
+
+
+@pytest.mark.parametrize(("colour", "least", "most"), [(0.0, 1.0, 1.5), (0.98, 3.0, 12.0)])
+def test_the_mean_of_a_posture_is_as_doubtful_as_its_halves_differ(
+    colour: float, least: float, most: float, tmp_path: Path
+) -> None:
+    """Noise that remembers 0.4 s was averaged as if it were white."""
+    foreign.write(tmp_path, 0, colour=colour, postures=6)
+    holds, _ = holds_of(open_payload(tmp_path))
+    white = np.repeat([foreign.FORCE_NOISE, foreign.MOMENT_NOISE], 3) / np.sqrt(1.0 * foreign.RATE)
+    assert np.all(holds.std > 0.9 * least * white)
+    assert np.all(holds.std < most * white)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mass", [0.15, 0.6])
+def test_axes_that_stand_off_are_no_gains_of_a_sensor(mass: float, tmp_path: Path) -> None:
+    """Of a light payload postures do not tell them: gains and crosstalk of all channels were named in their place."""
+    turn = Rotation.from_rotvec(np.radians([2.0, -1.5, 1.7]))
+
+    def read(w: Array) -> Array:
+        return np.hstack([turn.inv().apply(w[:, :3]), turn.inv().apply(w[:, 3:])])
+
+    truth = foreign.write(tmp_path, 1, spoil=foreign.wrench(read), mass=mass, noise=0.3)
+    found = evaluated(tmp_path)
+    (named,) = found.missing.found
+    assert (named.effect, named.rivals) == ("turned", ())
+    assert found.missing.in_the_model
+    for each, angle in zip(named.parameters, (2.0, -1.5, 1.7), strict=True):
+        assert abs(each.value - angle) < 4.0 * each.std < 1.0
+    assert found.stages.excitation is not None
+    z = np.abs(off(found, truth))[:10]
+    assert z.max() < 4.0

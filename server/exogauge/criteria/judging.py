@@ -211,6 +211,9 @@ class Carrying:
         "that a wrench may be late against its pose, either way: beyond, it is another clock",
         judgement(PAYLOAD),
     )
+    farthest_turn_rad: float = criterion(
+        0.17, "rad", "that axes of a wrench may stand off those of its frame, each way: 10°", judgement(PAYLOAD)
+    )
     hangs_hz: tuple[float, float] = criterion(
         (1.0, 25.0),
         "Hz",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import convention, criterion, derived, judgement
 
 RULES = "docs/payload.md"
 
@@ -27,6 +27,12 @@ class Standing:
     )
     shortest_hold_s: float = criterion(0.3, "s", "that a posture is held at least", judgement(RULES))
     swinging_s: float = criterion(0.1, "s", "cut off at both ends of a hold: what still swings there", judgement(RULES))
+    unrest_stds: float = criterion(
+        2.0,
+        "std",
+        "of chance by which halves of postures differ by more than white noise does, from which on it is coloured",
+        convention("two standard deviations, 95 %"),
+    )
     rank: float = criterion(
         1e-3,
         "1",
@@ -78,20 +84,20 @@ class Standing:
     latest_imu_s: float = criterion(
         0.03, "s", "by which an IMU's stamps may be late: those that are worse are another clock", judgement(RULES)
     )
-    beside_imu_s: float = criterion(
-        0.004, "s", "beside the best lag, from where the curvature of the cost is taken", judgement(RULES)
+    imu_gain: float = criterion(
+        0.02,
+        "1",
+        "std of a gain of an IMU's axis, or of what it reads of another one, as mounted: makers give 1 to 3 %",
+        judgement(RULES),
+    )
+    imu_place_m: float = criterion(
+        0.1, "m", "std of where an IMU sits beside the sensor's origin, before motion says", judgement(RULES)
     )
     ft_crosstalk: float = criterion(
         0.01,
         "1",
         "std of what an axis reads of another one, where nobody states it: makers give 1 to 2 % at most",
         judgement(RULES),
-    )
-    repeated: float = criterion(
-        20.0,
-        "rows",
-        "that say the same after a low-pass of a tenth of half the rate",
-        derived("2 / 0.1 = 20"),
     )
 
 

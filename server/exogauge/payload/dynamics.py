@@ -16,6 +16,7 @@ from exogauge.errors import NotIdentifiable
 from exogauge.estimation.log_cholesky import nearest_possible, pseudo_inertia
 from exogauge.estimation.physical import solve_physical
 from exogauge.loops.payload_rows import fill
+from exogauge.payload.rounding import Rounding
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import StaticSolution, upright
 from exogauge.payload.total_least_squares import Recursion, only_output, solve, triangle
@@ -33,17 +34,25 @@ ZERO_NAMES = ("fx0", "fy0", "fz0", "mx0", "my0", "mz0")
 class Rows:
     """z: (T, 6, n+1) rows [A b] divided by the noise of b. noise: (T, n+1, n+1) covariance of their errors, summed over
     the six. std: (6,) [N, N·m] that they were divided by. sign: s. tipped: (T, 3, 2) [m/s²] change of a - g in {S} by a
-    turn of gravity by 1 rad about two axes across it; None where that is not known."""
+    turn of gravity by 1 rad about two axes across it; None where that is not known. common: as `SensorMotion` has it.
+    rounding: of the wrench, where its steps are coarse."""
 
     z: Array
     noise: Array
     std: Array
     sign: int
     tipped: Array | None = None
+    common: Array | None = None
+    rounding: Rounding | None = None
 
     @property
     def size(self) -> int:
         return int(self.z.shape[2]) - 1
+
+    def rows(self, which: NDArray[np.bool_]) -> Rows:
+        """The same at the chosen samples."""
+        tipped, common = (None if each is None else each[which] for each in (self.tipped, self.common))
+        return replace(self, z=self.z[which], noise=self.noise[which], tipped=tipped, common=common)
 
     def tilting(self, x: Array) -> Array:
         """(T, 6, 2) of a turn of gravity by 1 rad, as `z`, for a payload x (16,)."""
@@ -54,14 +63,32 @@ class Rows:
 
     def across_tilting(self) -> Array:
         """(4, 16, 2) Σ Aᵀ `tilting` of payloads of unit m, m c: that of x is linear in these."""
-        across = np.zeros((len(self.z), 6, 4, 2))
-        if self.tipped is not None:
-            across[:, :3, 0] = self.tipped
-            for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1)), 1):  # e_k x v
-                across[:, 3 + i, k], across[:, 3 + j, k] = -self.tipped[:, j], self.tipped[:, i]
-            across *= self.sign / self.std[:, None, None]
+        return np.zeros((4, self.size, 2)) if self.tipped is None else self._across(self.tipped)
+
+    def of_common(self, x: Array) -> Array:
+        """(16, 16) spread that errors of a - g which all samples share bring into the equations of x (16,)."""
+        if self.common is None:
+            return np.zeros((self.size, self.size))
+        spread = np.tensordot(x[:4], self._across(self.common), 1)
+        return np.asarray(spread @ spread.T)
+
+    def of_rounding(self, x: Array) -> Array:
+        """(16, 16) spread that a converter's steps bring into the equations of x (16,)."""
+        if self.rounding is None:
+            return np.zeros((self.size, self.size))
+        A = self.z[:, :, :-1]
+        return self.rounding.spread(A / self.std[:, None], A @ x * self.std)
+
+    def _across(self, shift: Array) -> Array:
+        """(4, 16, K) Σ Aᵀ of what shifts (T, 3, K) [m/s²] of a - g do to payloads of unit m, m c."""
+        T, _, K = shift.shape
+        across = np.zeros((T, 6, 4, K))
+        across[:, :3, 0] = shift
+        for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1)), 1):  # e_k x v
+            across[:, 3 + i, k], across[:, 3 + j, k] = -shift[:, j], shift[:, i]
+        across *= self.sign / self.std[:, None, None]
         A = self.z[:, :, :-1].reshape(-1, self.size)
-        return np.asarray((A.T @ across.reshape(len(A), 8)).reshape(self.size, 4, 2).swapaxes(0, 1))
+        return np.asarray((A.T @ across.reshape(len(A), 4 * K)).reshape(self.size, 4, K).swapaxes(0, 1))
 
 
 @final
@@ -125,7 +152,7 @@ def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int,
     z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
     fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
     turned = np.cross(upright(gravity)[:2], gravity).T
-    return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned)
+    return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned, motion.common)
 
 
 def regressor_slopes(omega: Array) -> Array:
@@ -166,8 +193,14 @@ def dynamic_stage(
     left = rows.z @ np.append(-x, 1.0)  # (T, 6)
     H = found.information + prior_information(prior)
     scores = _scores(rows, found, left, method)
-    meat = _coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
+    meat = coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
     meat = _no_less(meat, _white(rows, left))
+    if rows.rounding is not None:
+        meat = _no_less(meat, rows.of_rounding(x))
+    meat = meat + rows.of_common(x)
+    if method == "ls":  # takes its columns for exact: what their noise would bend it by
+        bent = noise_of(rows, "gtls")[:-1, :-1] @ x
+        meat = meat + np.outer(bent, bent)
     inverse = np.linalg.inv(H)
     across = rows.across_tilting()
     covariance, lean = inverse @ (meat + of_prior(across, x, prior)) @ inverse, prior.lean.copy()
@@ -269,18 +302,24 @@ def _scores(rows: Rows, found: Fit, left: Array, method: Method) -> Array:
     return np.asarray(scores + found.mu_of_fit * toward[:, :-1])
 
 
-def _coloured(scores: Array, left: Array, memories: float) -> Array:
-    """(16, 16) Σ over lags of the scores' autocovariance, by Bartlett's weights."""
+def coloured(scores: Array, left: Array, memories: float) -> Array:
+    """(n, n) of scores (T, n): Σ over lags of their autocovariance, by Bartlett's weights, and as much more as makes
+    1.96 of its roots hold 95 %: such a sum errs by chance, and falls short.
+
+    By Kiefer and Vogelsang, Econometric Theory 21 (2005) 1130, table 1: the quantile by the share of the lags.
+    """
     lags = int(min(np.ceil(memories * correlation_time(left)), len(left) // 8))
     out = scores.T @ scores
     for k in range(1, lags + 1):
         cross = scores[k:].T @ scores[:-k]
         out += (1.0 - k / (lags + 1.0)) * (cross + cross.T)
-    return np.asarray(out)
+    share = (lags + 1.0) / len(left)
+    quantile = float(np.polyval([-0.5324, 0.4160, 2.9694, 1.9600], share))
+    return np.asarray(out * (quantile / 1.9600) ** 2)
 
 
 def _white(rows: Rows, left: Array) -> Array:
-    """(16, 16) as `_coloured`, of the white noise alone that the wrench shows from sample to sample: third differences
+    """(16, 16) as `coloured`, of the white noise alone that the wrench shows from sample to sample: third differences
     of the residuals, which motion and what is smoothed hardly reach."""
     shown = np.diff(left, 3, axis=0).std(axis=0) / np.sqrt(20.0) if len(left) > 3 else np.zeros(6)
     A = (rows.z[:, :, :-1] * shown[:, None]).reshape(-1, rows.size)

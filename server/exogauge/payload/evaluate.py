@@ -176,7 +176,8 @@ def _with_what_is_missing(logs: Logs, stages: Stages, missing: Missing, progress
         stages = clean.stages(*clean.still(), missing.doubt)
     elif missing.slight_doubt.any():
         stages = logs.stages(stages.postures, stages.warnings, missing.doubt)
-    found, clean = calibrated(clean, stages, sensor, missing.doubt, take=True, scale=rigid.scale)
+    scale = None if missing.turned else rigid.scale  # a turn looks like a poor sensor
+    found, clean = calibrated(clean, stages, sensor, missing.doubt, take=True, scale=scale)
     return _Told(found, rigid, clean, missing)
 
 

@@ -1,13 +1,11 @@
-"""An accelerometer on the sensor: how its axes lie, and how late its stamps are, both found."""
+"""An accelerometer on the sensor: its axes, gains and bias, found by the postures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from exogauge.criteria.payload_static import USUAL, Standing
@@ -16,76 +14,92 @@ Array = NDArray[np.float64]
 
 
 @final
+class Open:
+    """Where they stand in what is left open of an IMU: [lag, place, matrix row by row, bias]."""
+
+    LAG, PLACE, AXES, BIAS = 0, slice(1, 4), slice(4, 13), slice(13, 16)
+    SIZE = 16
+
+
+@final
 @dataclass(frozen=True)
 class ImuFrame:
-    """rotation: (3, 3) R_sensor_imu. bias: (3,) [m/s²] in {S}. gain: (3,) scale of the axes, 1 where right. rms: [m/s²]
-    left in the postures. lag_s: how late its stamps are, and lag_std_s."""
+    """rotation: (3, 3) R_sensor_imu, nearest to matrix: (3, 3) that takes what is read to {S}. bias: (3,) [m/s²] in
+    {S}. gain: (3,) scale of the axes, 1 where right. rms: [m/s²] left in the postures. lag_s: how late its stamps are.
+    place: (3,) [m] in {S}. covariance: (16, 16) of [lag, place, matrix, bias]."""
 
     rotation: Array
     bias: Array
     gain: Array
     rms: float
+    matrix: Array
     lag_s: float = 0.0
-    lag_std_s: float = 0.0
-
-    def in_sensor(self, acceleration: Array) -> Array:
-        """(T, 3) proper acceleration in {S}, from the IMU's own axes."""
-        return np.asarray(acceleration @ self.rotation.T + self.bias)
+    place: Array = field(default_factory=lambda: np.zeros(3))
+    covariance: Array = field(default_factory=lambda: np.zeros((Open.SIZE, Open.SIZE)))
 
     @property
     def angle(self) -> float:
         """[rad] between its axes and the sensor's."""
         return float(np.arccos(np.clip((np.trace(self.rotation) - 1.0) / 2.0, -1.0, 1.0)))
 
+    @property
+    def lag_std_s(self) -> float:
+        return float(np.sqrt(self.covariance[Open.LAG, Open.LAG]))
 
-def find_axes(acceleration: Array, rotation: Array, gravity: Array) -> ImuFrame:
-    """acceleration: (K, 3) [m/s²] means in postures R_BS (K, 3, 3); gravity: (3,) [m/s²] in {B}."""
+    @property
+    def place_std(self) -> Array:
+        """(3,) [m]"""
+        return np.sqrt(np.diag(self.covariance)[Open.PLACE])
+
+    @property
+    def root(self) -> Array:
+        """(16, 16) of its covariance."""
+        scale = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
+        value, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(value, 0.0)))
+
+    def acceleration(self, read: Array, rate: Array, about: Array) -> tuple[Array, Array]:
+        """a - g (T, 3) of the sensor's origin in {S}, and its slopes (T, 3, 16) by what its covariance is of. read,
+        rate: (T, 3) in the IMU's axes and its derivative, `lag_s` taken off; about: (T, 3, 3) [α]× + [ω]×²."""
+        proper = read @ self.matrix.T + self.bias - about @ self.place
+        slopes = np.zeros((len(read), 3, Open.SIZE))
+        slopes[:, :, Open.LAG], slopes[:, :, Open.PLACE] = rate @ self.matrix.T, -about
+        slopes[:, :, Open.BIAS] = np.eye(3)
+        for i in range(3):
+            slopes[:, i, 4 + 3 * i : 7 + 3 * i] = read
+        return np.asarray(proper), slopes
+
+    def moved(self, by: Array, covariance: Array) -> ImuFrame:
+        """by: (16,) that is added."""
+        return replace(
+            self, lag_s=self.lag_s + float(by[Open.LAG]), place=self.place + by[Open.PLACE],
+            matrix=self.matrix + by[Open.AXES].reshape(3, 3), bias=self.bias + by[Open.BIAS], covariance=covariance,
+        )  # fmt: skip
+
+
+def find_axes(acceleration: Array, rotation: Array, gravity: Array, criteria: Standing = USUAL) -> ImuFrame:
+    """acceleration: (K, 3) [m/s²] means in postures R_BS (K, 3, 3); gravity: (3,) [m/s²] in {B}.
+
+    The matrix is that of the nearest rotation, as far as gains and skewness are known before, and what postures say.
+    """
     up = -np.einsum("kji,j->ki", rotation, gravity)
     columns = np.column_stack([acceleration, np.ones(len(acceleration))])
     X = np.linalg.lstsq(columns, up)[0]
     U, gain, Vt = np.linalg.svd(X[:3].T)
     turn = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt
     bias = (up - acceleration @ turn.T).mean(axis=0)
-    rms = float(np.sqrt(np.mean((acceleration @ turn.T + bias - up) ** 2)))
-    return ImuFrame(turn, bias, gain, rms)
-
-
-def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]], criteria: Standing = USUAL) -> ImuFrame:
-    """The lag at which wrenches are explained best. rows: [A b] (T, 6, n+1) of each log, for the lag [s] taken off."""
-
-    def left(lag: float) -> tuple[float, int]:
-        return _left(rows(lag))
-
-    latest, beside = criteria.latest_imu_s, criteria.beside_imu_s
-    best = scipy.optimize.minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-latest, latest), method="bounded",
-                           options={"xatol": 1e-4})  # fmt: skip
-    lag = float(best.x)
-    around = np.array([lag - beside, lag, lag + beside])
-    square, count = np.array([left(each) for each in around]).T
-    curve = np.polyfit(around - lag, square, 2)[0]
-    spread = float(np.sqrt(square[1] / (count[1] / criteria.repeated) / curve)) if curve > 0 else latest
-    return replace(frame, lag_s=lag, lag_std_s=spread)
-
-
-def farther_lag(found: ImuFrame, rows: Callable[[float], list[Array]], criteria: Standing = USUAL) -> float | None:
-    """[s] a lag beyond those that `find_lag` looks at, by tens of milliseconds, that explains wrenches clearly better
-    than the one it found at its end; None where it found one inside, or none is better."""
-    latest, step, most = criteria.latest_imu_s, 0.02, 0.5
-    if abs(found.lag_s) < 0.95 * latest:
-        return None
-    lags = np.sign(found.lag_s) * np.arange(latest + step, most, step)
-    each = [float(np.divide(*_left(rows(float(lag))))) for lag in lags]
-    best = int(np.argmin(each))
-    better = each[best] * criteria.clearly < float(np.divide(*_left(rows(found.lag_s))))
-    return float(lags[best]) if better else None
-
-
-def _left(parts: list[Array]) -> tuple[float, int]:
-    """Square of what rows [A b] of each log leave of b, and how many they are."""
-    square, count = 0.0, 0
-    for z in parts:
-        A, b = z.reshape(-1, z.shape[2])[:, :-1], z[:, :, -1].ravel()
-        scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
-        x = np.linalg.lstsq(A / scale, b, rcond=1e-6)[0]
-        square, count = square + float(np.sum((A / scale @ x - b) ** 2)), count + len(b)
-    return square, count
+    left = up - acceleration @ turn.T - bias
+    noise = float(np.sqrt(np.mean(left**2)))
+    known = np.diag([criteria.imu_gain**-2.0] * 3 + [0.0])
+    for _ in range(2):  # what is left is gains at first
+        inverse = np.linalg.inv(columns.T @ columns / noise**2 + known) if noise > 0.0 else np.zeros((4, 4))
+        Y = inverse @ columns.T @ left / noise**2 if noise > 0.0 else np.zeros((4, 3))
+        free = 1.0 - float(np.trace(inverse @ columns.T @ columns)) / noise**2 / len(up) if noise > 0.0 else 1.0
+        rest = left - columns @ Y
+        noise = float(np.sqrt(np.mean(rest**2) / max(free, 1.0 / len(up))))
+    covariance = np.zeros((Open.SIZE, Open.SIZE))
+    for i in range(3):
+        at = [4 + 3 * i, 5 + 3 * i, 6 + 3 * i, 13 + i]
+        covariance[np.ix_(at, at)] = inverse
+    rms = float(np.sqrt(np.mean(left**2)))
+    return ImuFrame(turn, bias + Y[3], gain, rms, turn + Y[:3].T, covariance=covariance)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -15,15 +15,14 @@ from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.logs.filtering import LowPass
-from exogauge.logs.model import Log
-from exogauge.logs.resampling import to_common_clock
 from exogauge.payload.calibration import Declared
 from exogauge.payload.contract import PayloadFile, Role, SensorUncertainty
 from exogauge.payload.dynamics import Rows, dynamic_rows
 from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import ImuFrame
-from exogauge.payload.intake import Payload, Recording, Stream
-from exogauge.payload.sensor_motion import SensorMotion, from_joints, from_pose, rotations, turning
+from exogauge.payload.intake import Payload, Recording
+from exogauge.payload.rounding import Rounding, rounded_mean
+from exogauge.payload.sensor_motion import Carried, SensorMotion, from_joints, from_pose, rotations
 from exogauge.payload.statics import Holds
 
 Array = NDArray[np.float64]
@@ -87,20 +86,6 @@ def declared_of(file: PayloadFile, criteria: Criteria, *, contradicted: bool = F
     return Declared(gain, common, across, length, frozenset(name for name in usual if stated[name] is None))
 
 
-def rounded_mean(step: float, noise: float) -> float:
-    """Std of the error that rounding to steps leaves in the mean of many samples: all of it where the noise before it,
-    of this std, is small against a step; none where it is as large as one.
-
-    Of x = mean + noise, what rounding takes off has the Fourier series Σ step / (π k) sin(2π k x / step), up to sign;
-    noise of std σ leaves exp(-2 (π k σ / step)²) of each.
-    """
-    if step == 0.0:
-        return 0.0
-    k = np.arange(1, 51)
-    waves = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * noise / step) ** 2)
-    return float(np.sqrt(np.sum(waves**2) / 2.0))
-
-
 def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array | None]:
     """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
     rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
@@ -147,6 +132,9 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
     before = np.sqrt(np.maximum(within**2 - steps**2 / 12.0, 0.0))
     std = np.hypot(std, [rounded_mean(*each) for each in zip(steps, before, strict=True)])
     unrest = np.sqrt(np.mean(np.square(differ), axis=0)) / 2 if len(differ) == len(F_S) else None
+    if unrest is not None:  # noise that remembers: halves of a posture differ by more than white noise does by chance
+        chance = criteria.unrest_stds / np.sqrt(2.0 * len(F_S))
+        std = np.where(unrest > (1.0 + chance) * std, unrest, std)
     noise = within if scatter else None
     holds = Holds(
         R_BS,
@@ -165,56 +153,48 @@ def moving(
     payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None, criteria: Moving = MOVING
 ) -> Moved:
     """The sensor's motion and the wrench (T, 6) in {S}, on one clock. gravity: (3,) [m/s²] in {B}."""
-    pose, settings = payload.file.pose, payload.file.settings
-    streams: dict[str, Stream] = {"w": recording.wrench, "p": recording.pose}
-    if recording.position is not None:
-        streams["x"] = recording.position
-    elif recording.acceleration is not None and imu is not None:
-        late = replace(recording.acceleration, time=recording.acceleration.time - imu.lag_s)
-        streams["a"] = replace(late, values=imu.in_sensor(late.values))
-    elif payload.tree is None:
+    pose, settings, wrench = payload.file.pose, payload.file.settings, recording.wrench
+    first, time, values, position = wrench.time, recording.pose.time, recording.pose.values, recording.position
+    carried = carried_of(payload, recording, criteria)
+    if payload.tree is not None:
+        at = None if np.array_equal(time, first) else first
+        frame = payload.file.sensor.frame or ""
+        motion = from_joints(
+            payload.tree, frame, time, values, pose.noise_rad, gravity,
+            density=settings.jerk_density, criteria=criteria, at=at,
+        )  # fmt: skip
+    elif position is not None:
+        at = None if np.array_equal(time, first) and np.array_equal(position.time, first) else first
+        motion = from_pose(
+            time, values.reshape(-1, 3, 3), position.values, pose.noise_rad, pose.noise_m, gravity,
+            density=settings.jerk_density, criteria=criteria, at=at, position_time=position.time,
+        )  # fmt: skip
+    elif carried is not None and imu is not None:
+        at = first
+        motion, _ = carried.motion(first, imu, gravity)
+    else:
         detail = "without position, joint angles or an IMU nothing says how the sensor accelerates"
         advice = "Log the position of the sensor, or an IMU and postures that tell how it sits."
         raise BadStudy(Fault(detail, "no_acceleration", advice, recording.pose.file))
-    first = recording.wrench.time
-    same = all(np.array_equal(each.time, first) for each in streams.values())
-    at = None if same or "a" in streams else first
-    if not same and at is None:
-        streams = _one_clock(streams, recording.name)
-    time, values = streams["p"].time, streams["p"].values
-    if payload.tree is not None:
-        frame = payload.file.sensor.frame or ""
-        motion = from_joints(
-            payload.tree,
-            frame,
-            time,
-            values,
-            pose.noise_rad,
-            gravity,
-            density=settings.jerk_density,
-            criteria=criteria,
-            at=at,
-        )
-    elif "x" in streams:
-        motion = from_pose(
-            time, values.reshape(-1, 3, 3), streams["x"].values, pose.noise_rad, pose.noise_m, gravity,
-            density=settings.jerk_density, criteria=criteria, at=at, position_time=streams["x"].time,
-        )  # fmt: skip
-    else:
-        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad, criteria)
-        a = streams["a"].values + np.einsum("tji,j->ti", R, gravity)
-        motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
-    wrench = streams["w"].values
-    if at is not None:
-        wrench = wrench[np.isin(at, motion.time)]
+    read = wrench.values if at is None else wrench.values[np.isin(first, motion.time)]
     if payload.file.sensor.axes == "base":
-        wrench = into_sensor(motion.rotation, wrench)
+        read = into_sensor(motion.rotation, read)
     if not len(motion.time):
         advice = "Record longer, or check `time.unit` and `span`."
         detail = "pose and wrench have too little time in common"
         raise BadStudy(Fault(detail, "clocks_apart", advice, recording.pose.file))
     inner = slice(motion.edge, len(motion.time) - motion.edge)
-    return Moved(motion.inner(), wrench[inner], "a" not in streams)
+    return Moved(motion.inner(), read[inner], carried is None)
+
+
+def carried_of(payload: Payload, recording: Recording, criteria: Moving = MOVING) -> Carried | None:
+    """Of a log whose accelerations are those of an IMU; None where positions or joint angles tell them."""
+    read, pose = recording.acceleration, recording.pose
+    if payload.tree is not None or recording.position is not None or read is None:
+        return None
+    return Carried.of(
+        pose.time, pose.values.reshape(-1, 3, 3), payload.file.pose.noise_rad, read.time, read.values, criteria
+    )  # fmt: skip
 
 
 def rows_of(
@@ -231,12 +211,17 @@ def rows_of(
         for each in moved
     ]
     if keep is not None and cutoff_hz is None:
-        parts = [
-            Rows(part.z[k], part.noise[k], std, sign, None if part.tipped is None else part.tipped[k])
-            for part, k in zip(parts, keep, strict=True)
-        ]
+        parts = [part.rows(k) for part, k in zip(parts, keep, strict=True)]
     tipped = np.concatenate([p.tipped for p in parts if p.tipped is not None])
-    return Rows(np.concatenate([p.z for p in parts]), np.concatenate([p.noise for p in parts]), std, sign, tipped)
+    shared = [p.common for p in parts if p.common is not None]
+    common = None
+    if shared:
+        common = np.concatenate([np.zeros((len(p.z), *shared[0].shape[1:])) if p.common is None else p.common
+                                 for p in parts])  # fmt: skip
+    z, noise = (np.concatenate([getattr(p, name) for p in parts]) for name in ("z", "noise"))
+    noise_said, sizes = payload.file.sensor.noise, [each.steps.size for each in payload.recordings]
+    before = np.repeat([noise_said.force_n, noise_said.moment_nm], 3)
+    return Rows(z, noise, std, sign, tipped, common, Rounding.of(np.max(sizes, axis=0), before))
 
 
 def low_passed(rows: Rows, time: Array, cutoff_hz: float | None) -> Rows:
@@ -248,8 +233,11 @@ def low_passed(rows: Rows, time: Array, cutoff_hz: float | None) -> Rows:
     z = low_pass.apply(rows.z.reshape(len(time), -1)).reshape(rows.z.shape)[edge:-edge]
     noise = np.zeros((len(z), *rows.noise.shape[1:]))
     noise[:, -1, -1] = 6.0
-    tipped = None if rows.tipped is None else low_pass.apply(rows.tipped.reshape(len(time), -1))[edge:-edge]
-    return Rows(z, noise, rows.std, rows.sign, None if tipped is None else tipped.reshape(len(z), 3, 2))
+    tipped, common = (
+        None if each is None else low_pass.apply(each.reshape(len(time), -1))[edge:-edge].reshape(len(z), 3, -1)
+        for each in (rows.tipped, rows.common)
+    )
+    return Rows(z, noise, rows.std, rows.sign, tipped, common)
 
 
 def low_pass_of(cutoff_hz: float | None, time: Array) -> LowPass | None:
@@ -261,21 +249,6 @@ def low_pass_of(cutoff_hz: float | None, time: Array) -> LowPass | None:
     if 2 * low_pass.settle_samples >= len(time):
         raise NotIdentifiable(f"{time[-1] - time[0]:.3g} s are too short for a low-pass at {cutoff_hz:g} Hz")
     return low_pass
-
-
-def _one_clock(streams: Mapping[str, Stream], name: str) -> dict[str, Stream]:
-    """On the clock of the slower of pose and acceleration, but not slower than the acceleration."""
-    logs = [
-        Log(name, s.time, {f"{key}.{k}": s.values[:, k] for k in range(s.values.shape[1])})
-        for key, s in streams.items()
-    ]
-    paced = streams.get("a", streams["p"])
-    rate = (len(paced.time) - 1) / float(paced.time[-1] - paced.time[0])
-    log = to_common_clock(logs, rate, name)
-    return {
-        key: Stream(log.time, np.column_stack([log.channels[f"{key}.{k}"] for k in range(s.values.shape[1])]), s.file)
-        for key, s in streams.items()
-    }
 
 
 def into_sensor(rotation: Array, wrench: Array) -> Array:

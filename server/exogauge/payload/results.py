@@ -258,4 +258,5 @@ def _imu(evaluation: Evaluation) -> ImuResults | None:
     return ImuResults(
         rotation_sensor_imu=imu.rotation.tolist(), angle_deg=float(np.degrees(imu.angle)), bias=tuple(imu.bias),
         lag_ms=1e3 * imu.lag_s, lag_std_ms=1e3 * imu.lag_std_s, rms=imu.rms,
+        place_m=tuple(imu.place), place_std_m=tuple(imu.place_std),
     )  # fmt: skip

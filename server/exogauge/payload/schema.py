@@ -134,6 +134,8 @@ class ImuResults(_Part):
     lag_ms: float
     lag_std_ms: float
     rms: float
+    place_m: tuple[float, float, float]
+    place_std_m: tuple[float, float, float]
 
 
 class MissingParameter(_Part):

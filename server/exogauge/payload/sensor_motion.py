@@ -8,11 +8,13 @@ from typing import final
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from numpy.typing import NDArray
 
 from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.sensor_chain import end_motion
-from exogauge.payload.smoothing import Kind, at_times, smooth
+from exogauge.payload.imu import ImuFrame
+from exogauge.payload.smoothing import Kind, Smoothed, at_times, smooth
 from exogauge.robots.regressor import wrench_columns
 from exogauge.robots.tree import RigidTree
 
@@ -27,7 +29,8 @@ class SensorMotion:
     time: (T,) [s]. rotation: (T, 3, 3) R_BS. acceleration: (T, 3) [m/s²] classical, of the origin, without gravity.
     alpha, omega: (T, 3) [rad/s², rad/s]. noise: (T, 9, K) root of the covariance of [a - g, α, ω] by the encoders.
     edge: samples at either end that are known worse. density: of each filtered channel. noisier: how many times the
-    stated noise a channel shows at most, 1 where that holds.
+    stated noise a channel shows at most, 1 where that holds. common: (T, 3, K) [m/s²] root of the covariance of errors
+    of a - g that all samples share; None where there are none.
     """
 
     time: Array
@@ -39,6 +42,7 @@ class SensorMotion:
     edge: int = 0
     density: Array | None = None
     noisier: float = 1.0
+    common: Array | None = None
 
     def regressor(self, gravity: Array) -> Array:
         """(T, 6, 10) A of [Payload] (5) for s = +1. gravity: (3,) [m/s²] in {B}."""
@@ -59,7 +63,8 @@ class SensorMotion:
     def rows(self, which: slice | NDArray[np.bool_]) -> SensorMotion:
         """The same at the chosen samples."""
         names = ("time", "rotation", "acceleration", "alpha", "omega", "noise")
-        return replace(self, edge=0, **{name: getattr(self, name)[which] for name in names})
+        common = None if self.common is None else self.common[which]
+        return replace(self, edge=0, common=common, **{name: getattr(self, name)[which] for name in names})
 
     def inner(self) -> SensorMotion:
         """Without the edges."""
@@ -187,9 +192,51 @@ def rotations(tree: RigidTree, frame: str, angles: Array) -> Array:
     return Chain.of(tree, frame).rotations(angles)
 
 
-def turning(time: Array, rotation: Array, std_angle: float, criteria: Moving = USUAL) -> tuple[Array, Array, Array]:
-    """R_BS (T, 3, 3) smoothed, α and ω (T, 3) in {S}, from logged rotations (T, 3, 3)."""
-    return _turning(smooth(time, rotation.reshape(-1, 9), std_angle, criteria=criteria).state)
+@final
+@dataclass(frozen=True)
+class Carried:
+    """Rotations of the sensor and what an IMU on it reads, each by its own clock. turned: at time (T,) [s]; values,
+    read: at read_time (N,) [s], as read and smoothed: what shakes is no noise, so only slopes are those of a smoother.
+    noisier: as that of `SensorMotion`, of the rotations."""
+
+    time: Array
+    turned: Smoothed
+    read_time: Array
+    values: Array
+    read: Smoothed
+    noisier: float
+
+    @staticmethod
+    def of(
+        time: Array, rotation: Array, std_angle: float, read_time: Array, read: Array, criteria: Moving = USUAL
+    ) -> Carried:
+        """rotation: (T, 3, 3) R_BS; read: (N, 3) [m/s²] in the IMU's axes. Nobody states its noise: it is what the
+        innovations show."""
+        shown = float(np.diff(read, 3, axis=0).std(axis=0).max()) / np.sqrt(20.0) if len(read) > 3 else 0.0
+        least = 1e-9  # m/s²: of one without noise
+        turned = smooth(time, rotation.reshape(-1, 9), std_angle, criteria=criteria)
+        smoothed = smooth(read_time, read, max(shown, least), criteria=criteria)
+        return Carried(time, turned, read_time, read, smoothed, float(turned.std.max()) / std_angle)
+
+    def motion(self, at: Array, imu: ImuFrame, gravity: Array) -> tuple[SensorMotion, Array]:
+        """At times (n,) of another clock where both are settled, and slopes (n, 3, 16) of a - g, as `imu` has them.
+        gravity: (3,) [m/s²] in {B}."""
+        at = _settled(_settled(at, self.time, 0), self.read_time - imu.lag_s, 0)
+        turned, smoothed = at_times(self.turned, self.time, at), at_times(self.read, self.read_time, at + imu.lag_s)
+        read = np.asarray(scipy.interpolate.CubicSpline(self.read_time, self.values)(at + imu.lag_s))
+        R, alpha, omega = _turning(turned.state)
+        root = self.turned.noise[int(np.argmax(self.turned.density))]
+        noise = np.zeros((len(at), 9, 12))
+        noise[:, :3, :3] = imu.matrix * self.read.std
+        for k in range(3):
+            noise[:, 3 + k, 3 + 3 * k : 6 + 3 * k], noise[:, 6 + k, 3 + 3 * k : 6 + 3 * k] = root[2], root[1]
+        turn = _cross_matrix(omega)
+        proper, slopes = imu.acceleration(
+            read, smoothed.state[:, :, 1], _cross_matrix(alpha) + turn @ turn
+        )  # fmt: skip
+        a = proper + np.einsum("tji,j->ti", R, gravity)
+        motion = SensorMotion(at, R, a, alpha, omega, noise, noisier=self.noisier, common=slopes @ imu.root)
+        return motion, slopes
 
 
 def _turning(entries: Array) -> tuple[Array, Array, Array]:
@@ -197,6 +244,11 @@ def _turning(entries: Array) -> tuple[Array, Array, Array]:
     U, _, Vt = np.linalg.svd(R)
     R = U @ Vt
     return R, _skew_part(np.swapaxes(R, 1, 2) @ ddR), _skew_part(np.swapaxes(R, 1, 2) @ dR)
+
+
+def _cross_matrix(v: Array) -> Array:
+    """(T, 3, 3) of v (T, 3): [v]×."""
+    return np.asarray(np.swapaxes(np.cross(v[:, None, :], np.eye(3)), 1, 2))
 
 
 def _skew_part(M: Array) -> Array:

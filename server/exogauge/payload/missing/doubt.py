@@ -38,7 +38,7 @@ def numbers(problem: Problem, found: Fitted, named: Sequence[Named], which: int)
 
 def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> tuple[Array, Array]:
     """The same, and their standard deviations; of what swings by the slow means that its shape is from."""
-    if swings(named[which].effect):
+    if named[which].effect.swings:
         problem = problem.slow()
         found = fit(problem, named)
     effect, shape = named[which].effect, np.array(named[which].shape)
@@ -146,11 +146,6 @@ def below_floor(problem: Problem, found: Fitted) -> bool:
         bool(np.any(np.mean(each**2, axis=0) < 1.0 - sure * np.sqrt(2.0 * correlation_time(each) / len(each))))
         for each in moving
     )
-
-
-def swings(effect: Effect) -> bool:
-    """Whether it answers to accelerations, so that errors of the kinematics look like it."""
-    return len(effect.bounds) > 1
 
 
 def by_slow_means(problem: Problem, named: Sequence[Named], own: Named) -> Named:

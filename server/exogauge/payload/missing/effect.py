@@ -47,7 +47,7 @@ class Effect:
     """columns: (T, 6, P) by its shapes, what does not enter linearly. parameters: (name, unit) of what is told; told:
     those numbers, of shapes and coefficients (P,). bounds, starts: of the shapes. of_log: the one log that it is about.
     retimed: its one shape is how late the wrench is [s], and it adds no column. unit: its column's coefficient is 1.
-    jumps: its one shape is a moment [s].
+    jumps: its one shape is a moment [s]. swings: it answers to accelerations, as errors of the kinematics do.
     possible: whether such a thing can be, by what is told.
     """
 
@@ -62,6 +62,7 @@ class Effect:
     retimed: bool = False
     unit: bool = False
     jumps: bool = False
+    swings: bool = False
     possible: Callable[[Array], bool] = lambda _told: True
 
     @property

@@ -36,7 +36,7 @@ def spring(axes: str, criteria: Carrying = USUAL) -> Effect:
     starts = tuple((float(f), z) for f in np.geomspace(1.5, 15.0, 6) for z in (0.1, 0.5))
     parameters = (("stiffness", "N/m"), ("frequency", "Hz"), ("damping_ratio", "1"))
     bounds = (criteria.hangs_hz, criteria.hangs_damped)
-    return Effect("spring", axes, parameters, columns, told, bounds, starts, unit=True)
+    return Effect("spring", axes, parameters, columns, told, bounds, starts, unit=True, swings=True)
 
 
 def second_body(criteria: Carrying = USUAL) -> Effect:
@@ -53,7 +53,7 @@ def second_body(criteria: Carrying = USUAL) -> Effect:
     reach = criteria.hangs_within_m
     bounds = (*((-reach, reach),) * 3, criteria.hangs_hz, criteria.hangs_damped)
     return Effect(
-        "second_body", "payload", parameters, columns, told, bounds, starts,
+        "second_body", "payload", parameters, columns, told, bounds, starts, swings=True,
         possible=lambda numbers: bool(numbers[0] > 0.0),
     )  # fmt: skip
 

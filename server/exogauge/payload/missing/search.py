@@ -31,7 +31,6 @@ from exogauge.payload.missing.doubt import (
     of_unexplained,
     slightly_inclined,
     slightly_late,
-    swings,
 )
 from exogauge.payload.missing.effect import CHANNELS, Effect, Frame
 from exogauge.payload.missing.fit import (
@@ -48,10 +47,12 @@ from exogauge.payload.missing.fit import (
 )
 from exogauge.payload.missing.hanging import second_body, spring
 from exogauge.payload.missing.sensor_effects import (
+    TURNED,
     crosstalk,
     delay,
     inclination,
     of_all_channels,
+    turned_axes,
     zero_drift,
     zero_of_log,
     zero_step,
@@ -118,9 +119,19 @@ class Missing:
 
     @property
     def of_sensor(self) -> bool:
-        """Whether all that was named, and what explains as much, is a gain or a crosstalk of the sensor."""
-        names = [name for each in self.found for name in (each.effect, *(effect for effect, _ in each.rivals))]
-        return bool(names) and all(name in ("gain", "crosstalk") for name in names)
+        """Whether all that was named, and what explains as much, is a gain or a crosstalk of the sensor; or a turn of
+        its axes beside these."""
+        shares = ("gain", "crosstalk")
+        return any(name in shares for name in self._names) and all(name in (*shares, TURNED) for name in self._names)
+
+    @property
+    def turned(self) -> bool:
+        """Whether axes that stand off were named, or explain as much as what was."""
+        return TURNED in self._names
+
+    @property
+    def _names(self) -> list[str]:
+        return [name for each in self.found for name in (each.effect, *(effect for effect, _ in each.rivals))]
 
     def with_sensor(self, found: Calibration, left: Mapping[str, Array], criteria: Criteria) -> Missing:
         """With gains and crosstalk of all axes at once. left: (6,) rms over floor by log, with them. What was named
@@ -131,7 +142,8 @@ class Missing:
                 float(np.sqrt(np.mean([ratios[name] ** 2 for name in logs]))) for ratios in (self.before, left)
             )
             shares = tuple(_shares(found, criteria))
-            finding = Finding("calibration", "sensor", shares, found.evidence, before, after, ())
+            rivals = ((TURNED, "sensor"),) if self.turned else ()
+            finding = Finding("calibration", "sensor", shares, found.evidence, before, after, rivals)
             here = replace(self, found=(finding,), suspected=())
         else:
             here = self
@@ -190,7 +202,7 @@ def find_missing(
         winner = best[0]
         rivals = tuple((each.named.effect.name, each.named.effect.place) for each in best[1:]
                        if winner.evidence - each.evidence < criteria.payload.rival)  # fmt: skip
-        named.append(by_slow_means(problem, named, winner.named) if swings(winner.named.effect) else winner.named)
+        named.append(by_slow_means(problem, named, winner.named) if winner.named.effect.swings else winner.named)
         claims.append((winner, rivals))
         _again(problem, named)
         problem, base = _settled(problem, named)
@@ -252,7 +264,7 @@ def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> 
     hanging = [second_body(criteria), *(spring(axes, criteria) for axes in ("xy", "xz", "yz", "xyz"))]
     out = [delay(criteria), zero_drift(), *hanging]
     out += [] if inclined else [inclination()]
-    out += of_all_channels(criteria)
+    out += [*of_all_channels(criteria), turned_axes(criteria)]
     out += [zero_of_log(each.name) for each in moved if len(fitted) > 1]
     out += [zero_step(each.name, each.time) for each in moved]
     return out
@@ -344,7 +356,7 @@ def _judged(
         after = fit(base, more)
     before = _rms(base, fit(base, named), named, judges)
     then = _rms(base, after, more, judges)
-    if swings(candidate.effect) and not candidate.effect.unit:
+    if candidate.effect.swings and not candidate.effect.unit:
         value, std = numbers_with_std(problem, fit(problem, more), more, len(named))
         if value[0] < problem.criteria.judging.significant * std[0]:
             return None
@@ -389,7 +401,7 @@ def _told(
     rivals: tuple[tuple[str, str], ...],
 ) -> Finding:  # fmt: skip
     effect = named[which].effect
-    if swings(effect) and below_floor(problem, found):
+    if effect.swings and below_floor(problem, found):
         parameters: tuple[Parameter, ...] = ()
     else:
         value, std = numbers_with_std(problem, found, named, which)

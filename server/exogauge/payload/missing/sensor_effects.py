@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import CARRYING as USUAL
@@ -13,6 +14,8 @@ from exogauge.payload.missing.effect import CHANNELS, UNITS, Effect, Frame
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
+
+TURNED = "turned"
 
 
 def inclination() -> Effect:
@@ -95,6 +98,23 @@ def crosstalk(read: int, of: int, criteria: Carrying = USUAL) -> Effect:
         return unit != "1" or such_as_a_sensor_has(float(told[0]), criteria)
 
     return Effect(name, place, (("share", unit),), columns, _as_they_are, possible=possible)
+
+
+def turned_axes(criteria: Carrying = USUAL) -> Effect:
+    """The wrench is written in axes that stand off those of the frame, by a turn about each of these."""
+
+    def columns(frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        read = (stretch.rigid @ frame.body).reshape(-1, 2, 3)
+        turn = pin.exp3(np.array(shape))
+        return np.asarray((read @ turn - read).reshape(-1, 6, 1))
+
+    def told(_frame: Frame, shape: Array, _value: Array) -> Array:
+        return np.degrees(shape)
+
+    most = criteria.farthest_turn_rad
+    parameters = (("about_x", "°"), ("about_y", "°"), ("about_z", "°"))
+    starts = ((0.0, 0.0, 0.0),)
+    return Effect(TURNED, "sensor", parameters, columns, told, ((-most, most),) * 3, starts, unit=True)
 
 
 def such_as_a_sensor_has(share: float, criteria: Carrying = USUAL) -> bool:

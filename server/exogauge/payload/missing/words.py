@@ -15,6 +15,7 @@ EFFECTS = {
     "crosstalk": "crosstalk: {place}",
     "gain": "a wrong gain of {place}",
     "calibration": "gains of the {place} against their mean, and crosstalk",
+    "turned": "the axes of the {place}'s wrench stand off those of its frame",
     "delay": "the wrench is late against the pose",
     "spring": "the payload gives way along {place} of the sensor",
     "second_body": "a part of the payload hangs loose, on springs",
