@@ -27,7 +27,8 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
 
 KINDS = ("sqlite", "postgresql")
 LONG = (
-    "api/test_live.py", "discrepancy/test_band_effects.py", "discrepancy/test_band_limit.py", "upkeep/test_backup.py",
+    "api/test_live.py", "discrepancy/test_band_effects.py", "discrepancy/test_band_limit.py", "synthetic/test_lab.py",
+    "upkeep/test_backup.py",
 )  # fmt: skip
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")

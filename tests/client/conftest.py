@@ -64,13 +64,32 @@ class Service:
             assert self.process.wait(timeout=30) in (0, -15)
 
 
+SHARED = pytest.StashKey[Service]()
+
+
 @pytest.fixture(scope="session")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def service(tmp_path_factory: pytest.TempPathFactory, pytestconfig: pytest.Config) -> Iterator[Service]:
     """One for all who leave it as it is."""
     made = Service(tmp_path_factory.mktemp("service"))
     made.start()
+    pytestconfig.stash[SHARED] = made
     yield made
     made.stop()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    made = item.config.stash.get(SHARED, None)
+    if made is not None and made.process is not None and made.process.poll() is not None:
+        made.start()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """It does not look for jobs ten times a second while tests of other folders run."""
+    made = item.config.stash.get(SHARED, None)
+    if made is not None and (nextitem is None or Path(__file__).parent not in nextitem.path.parents):
+        made.stop()
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ table of stiffness and the search for effects of bands differ in what they belie
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -254,9 +254,9 @@ def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None
     for _ in range(STEPS):
         here, was = _with_slopes(setting, now), now.wear.theta
         g = np.einsum("ndp,nd,nd->p", here.A, setting.weight, here.e) - _pulled(setting.belief, was)
+        step = _steps(here.hessian, g, free, low - was, high - was)
         for damping in DAMPINGS:
-            step = _step(here.hessian, g, free, low - was, high - was, damping)
-            tried = _reached(setting, wear.at(np.clip(was + step, low, high)))
+            tried = _reached(setting, wear.at(np.clip(was + step(damping), low, high)))
             if tried.cost <= now.cost:
                 break
         else:
@@ -349,17 +349,20 @@ def _pulled(belief: Belief, theta: Array) -> Array:
     return pulled
 
 
-def _step(hessian: Array, g: Array, free: IntArray, low: Array, high: Array, damping: float) -> Array:
-    """(P,) the least-squares step within bounds, 0 where held or where nothing pulls."""
-    step = np.zeros(len(g))
+def _steps(hessian: Array, g: Array, free: IntArray, low: Array, high: Array) -> Callable[[float], Array]:
+    """damping -> (P,) the least-squares step within bounds, 0 where held or where nothing pulls."""
     free = free[np.diag(hessian)[free] > 0.0]
-    if not len(free):
-        return step
-    H = hessian[np.ix_(free, free)]
+    H, eye = hessian[np.ix_(free, free)], np.eye(len(free))
     size = np.sqrt(np.diag(H))
-    H = H / np.outer(size, size) + max(damping, 1e-12) * np.eye(len(H))
-    target, lower, upper = g[free] / size, low[free] * size, high[free] * size
-    step[free] = bounded_least_squares(H, target, np.minimum(lower, 0.0), np.maximum(upper, 1e-300)) / size
+    H, target = H / np.outer(size, size), g[free] / size
+    lower, upper = np.minimum(low[free] * size, 0.0), np.maximum(high[free] * size, 1e-300)
+
+    def step(damping: float) -> Array:
+        found = np.zeros(len(g))
+        if len(free):
+            found[free] = bounded_least_squares(H + max(damping, 1e-12) * eye, target, lower, upper) / size
+        return found
+
     return step
 
 
