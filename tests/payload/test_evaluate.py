@@ -232,6 +232,19 @@ def scale(names: str | tuple[str, ...], factor: float) -> Change:
     return change
 
 
+def coarse(content: dict[str, Any], folder: Path) -> None:
+    """A weight of a fifth of a newton, told in newtons."""
+    rng = np.random.default_rng(3)
+
+    def change(columns: dict[str, Array]) -> None:
+        for name, step in [*((f"f{axis}", 1.0) for axis in "xyz"), *((f"m{axis}", 0.05) for axis in "xyz")]:
+            light = 5e-4 * columns[name] + 0.15 * step * rng.standard_normal(len(columns[name]))
+            columns[name] = np.round(light / step) * step
+
+    for log in folder.glob("logs/*.parquet"):
+        rewritten(log, change)
+
+
 def key(*path: str, value: Any) -> Change:
     def change(content: dict[str, Any], folder: Path) -> None:
         place = content
@@ -464,6 +477,7 @@ BAD: dict[str, tuple[Change, str]] = {
     "no samples": (cut("excitation", 0), "0 samples"),
     "a few samples": (cut("fast", 5), "5 samples"),
     "nothing on the sensor": (scale(("fx", "fy", "fz", "mx", "my", "mz"), 0.0), "nothing hangs"),
+    "steps larger than the weight": (coarse, "nothing hangs on the sensor, or less than its steps of 1 N show"),
     "nothing turned": (
         broken("excitation", lambda c: c.update({k: np.full(len(v), v[0]) for k, v in c.items() if k[0] == "q"})),
         "excitation|inertia",

@@ -105,6 +105,10 @@ def postures_stage(
     if flat and not holds.alike(gravity, still):
         advice = "Is the payload on the sensor, and are these the columns of a sensor that is read?"
         detail = f"the force is the same in all {len(holds)} postures: nothing hangs on the sensor"
+        steps = max((float(np.max(each.steps.size[:3] * (each.steps.size > each.steps.noise)[:3]))
+                     for each in payload.of("postures")), default=0.0)  # fmt: skip
+        if steps > 0.0:
+            detail += f", or less than its steps of {steps:.3g} N show"
         raise BadStudy(Fault(detail, "no_weight", advice, payload.of("postures")[0].wrench.file))
     misread = misread_rotation(holds, gravity, still)
     if misread is not None and payload.file.pose.quaternion is not None:
