@@ -4,6 +4,7 @@ samples. What is told from 0 to a whole turn is told about zero, where only then
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 
@@ -14,7 +15,6 @@ from exogauge.logs.findings import JointLimits, first_row, joint_channels
 from exogauge.logs.model import Log, Note
 
 Array = NDArray[np.float64]
-TURN = 2.0 * np.pi
 
 
 def in_one_course(logs: Sequence[Log], joints: Mapping[str, JointLimits]) -> list[Log]:
@@ -45,12 +45,12 @@ def _told(
                 f"q.{joint} begins anew after a turn, first from {values[row - 2]:.4g} to {values[row - 1]:.4g} rad"
             )
             notes.append(Note("turns_continued", f"{detail}: continued across", "", row))
-        limited = limits.upper - limits.lower < TURN
-        about_zero = round(float(np.median(course)) / TURN) if joint in anew else 0
+        limited = limits.upper - limits.lower < math.tau
+        about_zero = round(float(np.median(course)) / math.tau) if joint in anew else 0
         if turns := _beyond(course, limits) if limited else about_zero:
             where = "a whole turn beyond its limits" if limited else "about another turn than zero"
             notes.append(Note("turn_taken_off", f"q.{joint} is told {where}: {-turns * 360:+d} degrees are added"))
-            course = course - turns * TURN
+            course = course - turns * math.tau
         if course is not values:
             changed[f"q.{joint}"] = course
     return replace(log, channels={**log.channels, **changed}, notes=(*log.notes, *notes)) if changed else log
@@ -59,13 +59,15 @@ def _told(
 def continued(values: Array) -> tuple[Array, int | None]:
     """(T,) [rad] without jumps of whole turns, and the row, from 1, after the first; the values themselves where there
     is none, or what jumps does not jump by whole turns."""
+    if not values.size or np.ptp(values) < math.pi:  # nothing jumps by half a turn
+        return values, None
     step = np.diff(values)
-    turns = np.round(step / TURN)
+    turns = np.round(step / math.tau)
     usual = float(np.max(np.abs(step[turns == 0.0]), initial=0.0))
     jumps = turns != 0.0
-    if not jumps.any() or usual > 0.5 * np.pi or np.any(np.abs(step - TURN * turns)[jumps] > 2.0 * usual):
+    if not jumps.any() or usual > 0.5 * np.pi or np.any(np.abs(step - math.tau * turns)[jumps] > 2.0 * usual):
         return values, None
-    return values - TURN * np.concatenate([[0.0], np.cumsum(turns)]), first_row(jumps) + 1
+    return values - math.tau * np.concatenate([[0.0], np.cumsum(turns)]), first_row(jumps) + 1
 
 
 def _beyond(course: Array, limits: JointLimits) -> int:
@@ -74,6 +76,6 @@ def _beyond(course: Array, limits: JointLimits) -> int:
     margin = 0.02 * (limits.upper - limits.lower) + 0.01
 
     def within(turns: int) -> bool:
-        return low - turns * TURN >= limits.lower - margin and high - turns * TURN <= limits.upper + margin
+        return low - turns * math.tau >= limits.lower - margin and high - turns * math.tau <= limits.upper + margin
 
     return next((turns for turns in (0, 1, -1) if within(turns)), 0)

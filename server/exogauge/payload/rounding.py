@@ -20,9 +20,13 @@ def rounded_mean(step: float, noise: float) -> float:
     of this std, is small against a step; none where it is as large as one."""
     if step == 0.0:
         return 0.0
+    return float(np.sqrt(np.sum(_waves(step, noise) ** 2) / 2.0))
+
+
+def _waves(step: float, noise: float) -> Array:
+    """(50,) sizes of what is left of the series."""
     k = np.arange(1, 51)
-    waves = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * noise / step) ** 2)
-    return float(np.sqrt(np.sum(waves**2) / 2.0))
+    return np.asarray(step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * noise / step) ** 2))
 
 
 @final
@@ -45,8 +49,7 @@ class Rounding:
         looks like a gain."""
         out = np.zeros((A.shape[2], A.shape[2]))
         for i in np.flatnonzero(self.step):
-            for k in range(1, 51):
-                size = self.step[i] / (np.pi * k) * np.exp(-2.0 * (np.pi * k * self.noise[i] / self.step[i]) ** 2)
+            for k, size in enumerate(_waves(self.step[i], self.noise[i]), 1):
                 if size < 1e-3 * self.step[i]:
                     break
                 wave = A[:, i].T @ np.exp(2j * np.pi * k / self.step[i] * reading[:, i])

@@ -7,6 +7,7 @@ A mapping.yaml drafted by looking at the files: what is suggested, and as commen
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -24,7 +25,7 @@ from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
-from exogauge.logs.whole_turns import TURN, continued, in_one_course
+from exogauge.logs.whole_turns import continued, in_one_course
 from exogauge.robots.description import Robot
 from exogauge.studies.import_log.column_guess import COMMANDED, OF_A_MODEL, guess
 from exogauge.studies.import_log.column_words import (
@@ -182,9 +183,9 @@ def _seen(name: str, values: RawArray) -> Seen:
     if not finite.size:
         return Seen(name, 0.0, 0.0)
     if finite.size == values.size and values.dtype.kind == "f":
-        for turn in (TURN, 360.0):  # an angle that begins anew after each is read as one course
-            course, row = continued(np.asarray(values, np.float64) * TURN / turn)
-            finite = finite if row is None else course * turn / TURN
+        for turn in (math.tau, 360.0):  # an angle that begins anew after each is read as one course
+            course, row = continued(np.asarray(values, np.float64) * math.tau / turn)
+            finite = finite if row is None else course * turn / math.tau
     step = None
     if finite.size == values.size > 1 and values.dtype.kind in "fiu":
         steps = np.diff(values.astype(np.float64) if values.dtype.kind == "f" else values.astype(np.int64))

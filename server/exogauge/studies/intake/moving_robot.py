@@ -5,6 +5,7 @@ Shapes of links are those of robot.yaml, else of the URDF's <collision>; a mesh 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +29,6 @@ from exogauge.studies.intake.mesh_files import Opener, load_mesh, mesh_opener
 Array = NDArray[np.float64]
 # [rad] each way, of a joint that the URDF calls continuous: a judgement, as cables bear more or less; `type: revolute`
 # with limits in the URDF says otherwise. No criterion: it stands in for a limit of the robot that its maker left out.
-TURN = 2.0 * np.pi
 
 
 def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, beside: bool = False) -> MotionRobot:
@@ -71,7 +71,7 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
         return np.array([value.get(name, none) if isinstance(value, dict) else value for name in joints])
 
     endless = {each.get("name") for each in read_urdf(urdf).findall("joint[@type='continuous']")}
-    turn = np.array([TURN if name in endless else np.inf for name in joints])
+    turn = np.array([math.tau if name in endless else np.inf for name in joints])
     limits = JointLimits(
         np.maximum(tree.lower[order], -turn), np.minimum(tree.upper[order], turn),
         tree.velocity_limit[order], of_joints("acceleration", np.inf),
