@@ -17,7 +17,7 @@ import jinja2
 
 from exogauge.studies.report.page_model import Box, Drawing, Label, Line, Page
 from exogauge.studies.report.summary_content import DETAILS, summary_content
-from exogauge.studies.report.summary_pdf import render_pdf
+from exogauge.studies.report.summary_pdf import lay_out
 from exogauge.studies.words.remark_words import sentence
 
 SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
@@ -36,18 +36,17 @@ class SummaryPage:
 
 def summary_page(results: Mapping[str, Any]) -> SummaryPage:
     """results: the content of results.json. First the letters get smaller, then less is told and the rest counted."""
+    largest, *between, smallest = SCALES
     for detail in DETAILS:
         content = summary_content(results, detail)
-        smallest = _printed(content, SCALES[-1])
-        if smallest.fits:
+        sheet = lay_out(content, largest)  # most pages are done with it
+        if sheet.fits:
             break
-    larger = (_printed(content, scale) for scale in SCALES[:-1])
-    return next((page for page in larger if page.fits), smallest)
-
-
-def _printed(content: Page, scale: float) -> SummaryPage:
-    pdf, fits = render_pdf(content, scale)
-    return SummaryPage(render_html(content, scale).encode(), pdf, content, fits)
+        sheet = lay_out(content, smallest)
+        if sheet.fits:
+            sheet = next((each for each in (lay_out(content, scale) for scale in between) if each.fits), sheet)
+            break
+    return SummaryPage(render_html(content, sheet.scale).encode(), sheet.bytes(), content, sheet.fits)
 
 
 def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:
