@@ -74,6 +74,11 @@ class Sheet:
     def bytes(self) -> bytes:
         return bytes(self.pdf.output())
 
+    def put_away(self) -> None:
+        """Its fonts' files are open until it is a document, or never will be one."""
+        for font in self.pdf.fonts.values():
+            font.close()  # type: ignore[union-attr]
+
     def page(self, page: Page) -> float:
         self.pdf.set_title(self._printed(page.title, ""))
         self.pdf.set_lang("en")
