@@ -123,6 +123,8 @@ def test_angles_told_from_0_to_360_degrees_are_drafted_and_read_as_one_course(tm
     [
         ("cp932", ("時間[s]", "関節1_角度[rad]", "関節1_電流[A]")),
         ("gb18030", ("时间[s]", "关节1_角度[rad]", "关节1_电流[A]")),
+        ("big5", ("時間[s]", "關節1_角度[rad]", "關節1_電流[A]")),
+        ("cp949", ("시간[s]", "관절1_각도[rad]", "관절1_전류[A]")),
         ("cp1252", ("Zeit [s]", "Gelenk1 Winkel [°]", "Gelenk1 Strom [A]")),
     ],
 )

@@ -154,6 +154,8 @@ def kinds_in(tokens: Sequence[str]) -> tuple[str, ...]:
         return ("acc",)
     if not found and {"axis", "act"} <= set(tokens):  # KUKA's `$AXIS_ACT`
         return ("q",)
+    if not found and {"qfrc", "actuator"} <= set(tokens):  # MuJoCo's, at the joint; `actuator_force` is before a gear
+        return ("tau",)
     return found
 
 
