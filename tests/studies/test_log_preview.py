@@ -34,7 +34,7 @@ JOINTS = ("pan", "lift", "elbow", "wrist")
         ("\"array('d', [0.1, 0.2])\"", "each value of the list into a column of its own"),
         ("2026-03-01 12:00:00.5", "in seconds"),
         ("12:00:01.250", "in seconds"),
-        ("idle", "list it under `ignore`, or correct the cell"),
+        ("idle", "ignore it (`ignore`), or correct the cell"),
     ],
 )
 def test_text_in_a_column_is_told_by_what_it_looks_like(tmp_path: Path, cell: str, said: str) -> None:

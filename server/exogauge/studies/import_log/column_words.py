@@ -207,7 +207,7 @@ def within(inner: Sequence[str], outer: Sequence[str]) -> tuple[str, ...] | None
     return None
 
 
-UNKNOWN = "Say what it measures (channel and unit), or list it under `ignore`."
+UNKNOWN = "Say what it measures (channel and unit), or ignore it (`ignore`)."
 SI = {"q": "rad", "dq": "rad/s", "ddq": "rad/s^2", "i": "A", "tau": "Nm", "acc": "m/s^2", "gyro": "rad/s",
       "temp": "degC", "f": "N", "m": "Nm"}  # fmt: skip
 OTHER = {"q": "deg", "dq": "deg/s", "i": "mA", "tau": "mNm", "gyro": "deg/s", "m": "mNm"}  # what it may be as well

@@ -264,7 +264,7 @@ def _of_whole(found: Sequence[Suggestion]) -> str:
 
 
 def _text_column(fault: Fault) -> dict[str, Any]:
-    advice = f"{fault.detail[:1].upper()}{fault.detail[1:]}: list it under `ignore`."
+    advice = f"{fault.detail[:1].upper()}{fault.detail[1:]}: ignore it (`ignore`)."
     if fault.row is not None:
         cell = str(fault.value or "")
         advice = f"It holds text (row {fault.row}: {cell}), which no channel is made of: {_of_text(cell)}."
@@ -280,8 +280,8 @@ def _of_text(cell: str) -> str:
     if known_unit(bare) is not None:
         return "take the line of units out, and write them behind the names, such as `q1 [rad]`"
     if re.match(r"\d+[-/:]\d+[-/:]\d", bare):
-        return "write a date or time of day in seconds, or list it under `ignore` and give `rate_hz`"
-    return "list it under `ignore`, or correct the cell"
+        return "write a date or time of day in seconds, or ignore it (`ignore`) and give `rate_hz`"
+    return "ignore it (`ignore`), or correct the cell"
 
 
 def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:
