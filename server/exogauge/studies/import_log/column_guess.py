@@ -57,8 +57,8 @@ OF_A_MODEL = (
     "It looks like a part of the torque that a model tells, not the whole that was measured: ignore it (`ignore`)."
 )
 BESIDE = (
-    "It looks like an error, a limit, a spread, an offset, a count or a share of it, not what was measured: list it "
-    "under `ignore`, or say what it measures."
+    "It looks like an error, a limit, a spread, an offset, a count or a share of it, not what was measured: ignore it "
+    "(`ignore`), or say what it measures."
 )
 COMMANDED = "It looks like a commanded value, not a measured one: ignore it (`ignore`), or say what it measures."
 
@@ -240,7 +240,7 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
 
     def refusal(names: Sequence[str]) -> Advice:
         listed = ", ".join(repr(name) for name in names)
-        return Advice(f"{listed} may all be this; keep one and list the others under `ignore`.")
+        return Advice(f"{listed} may all be this; keep one and ignore the others (`ignore`).")
 
     return {name: refusal(doubled[name]) if name in doubled else each for name, each in found.items()}
 
