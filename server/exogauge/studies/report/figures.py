@@ -8,6 +8,7 @@ B thick and grey, B with the maker's values thin and dotted, the band model thic
 from __future__ import annotations
 
 import io
+import math
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +18,7 @@ import matplotlib
 import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from exogauge.identification.result import Channels, Prediction
@@ -26,6 +27,7 @@ from exogauge.support.result import Trial
 Array = NDArray[np.float64]
 
 BUCKETS = 500
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 COLOURS = {  # drawn with the sentinel, shown with the variable of the page's style sheet
     "--ink": "#010101",
     "--muted": "#020202",
@@ -81,6 +83,8 @@ def draw_curve(points: Sequence[tuple[float, float]], chosen: float, key: str) -
         figure = sheet(5.2, 1.8, 1)
         axis = figure.subplots()
         axis.set_xscale("log")
+        axis.xaxis.set_minor_locator(NullLocator())
+        axis.xaxis.set_major_formatter(FuncFormatter(_power_of_ten))
         axis.grid(axis="y")
         factors, scores = [list(column) for column in zip(*ordered, strict=True)]
         axis.plot(factors, scores, color=COLOURS["--identified"], linewidth=1.3, marker="o", markersize=3.5)
@@ -90,6 +94,11 @@ def draw_curve(points: Sequence[tuple[float, float]], chosen: float, key: str) -
         axis.set_ylabel("held-out error, weighted")
         axis.yaxis.set_major_locator(MaxNLocator(4))
         return svg_text(figure, key)
+
+
+def _power_of_ten(value: float, place: int | None) -> str:
+    """As text: formulas, and ticks between powers, would take most of the drawing's time."""
+    return "10" + str(round(math.log10(value))).translate(RAISED)
 
 
 def sheet(width: float, panel: float, panels: int, top: float = 0.25) -> Figure:
