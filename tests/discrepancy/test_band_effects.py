@@ -289,14 +289,14 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             evidences.append(Evidence(**known))
             nothings.append(Nothing(motion, t[kept], posture[kept], coloured(len(t))[: len(kept)], None, moves[kept]))
     floor = np.full(3, noise_floor)
-    repeats = Repeatability(*[found_in_nothing(floor)] * 3, np.zeros(3))
+    repeats = Repeatability(*[found_in_nothing(floor)] * 3)
     backgrounds = {motion: Background(joints, (), repeats, np.zeros(3), None) for motion in motions}
     return Gathered(evidences, backgrounds, nothings, joints, JOINTS)
 
 
 def found_in_nothing(floor):
     """The same in every regime, of errors that do not last."""
-    return Null(floor, floor, floor, floor, floor, {})
+    return Null(floor, floor, floor, dict.fromkeys(("steady", "other", "whole", "moves"), floor), floor, {})
 
 
 @cache
@@ -474,7 +474,7 @@ def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repea
     backgrounds = dict(seen.backgrounds)
     for motion, runs in (("bend", tiny), ("twist", None), ("mix", None)):
         between = None if runs is None else found_in_nothing(runs)
-        repeats = Repeatability(found_in_nothing(alone), between, between, np.zeros(3))
+        repeats = Repeatability(found_in_nothing(alone), between, between)
         backgrounds[motion] = replace(backgrounds[motion], repeats=repeats)
     seen = replace(seen, backgrounds=backgrounds)
     linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
@@ -517,7 +517,7 @@ def without_the_last_joint(seen):
     ]  # fmt: skip
     nothings = [replace(each, b=each.b[own], steady=each.steady[own]) for each in seen.nothings]
     floor = np.full(2, NOISE)
-    repeats = Repeatability(*[found_in_nothing(floor)] * 3, np.zeros(2))
+    repeats = Repeatability(*[found_in_nothing(floor)] * 3)
     backgrounds = {motion: replace(each, repeats=repeats) for motion, each in seen.backgrounds.items()}
     beside = {each.worn.log.name: (each.b[each.kept][last], each.steady[each.kept][last]) for each in seen.evidences}
     null = {motion: [(each.b[last], each.steady[last]) for each in seen.nothings if each.motion == motion]

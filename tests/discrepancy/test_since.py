@@ -15,7 +15,7 @@ from exogauge.search.afterwards import has_joined, look_into_odd_logs
 from exogauge.search.search import searched as searched_for
 from exogauge.search.state import Problem
 from exogauge.search.taken_out import taken_back
-from exogauge.studies.words.finding_sentences import finding_sentence
+from exogauge.studies.words.finding_sentences import finding_sentence, where_words
 
 pytestmark = pytest.mark.slow
 
@@ -86,7 +86,13 @@ def test_friction_that_is_another_in_each_log_has_no_name(robot, record):
     recordings = [Recording(log, held_out=number == 3) for number, log in enumerate(logs)]
     found = find_missing_effects(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS)
     assert found.discrepancy.findings == ()
-    assert "tau.j2" in [each.channel for each in found.discrepancy.unexplained]
+    (left,) = [each for each in found.discrepancy.unexplained if each.channel == "tau.j2"]
+    told = {fit.log: fit.rmse_moving for fit in found.identification.validation if fit.channel == "tau.j2"}
+    assert left.where.log == max(told, key=lambda log: told[log])
+    assert left.where.times == pytest.approx(
+        told[left.where.log] / np.sqrt(np.mean(np.square(list(told.values())))), rel=0.1
+    )
+    assert f"most in {left.where.log}" in where_words(left)
     (why,) = [each.objection for each in found.discrepancy.rejected if each.effect == "friction_shift"
               and each.place.name == "j2"]  # fmt: skip
     assert why.why == Why.ANOTHER_IN_EACH_LOG

@@ -270,6 +270,9 @@ def test_six_numbers_of_a_tool_are_no_joints() -> None:
         ("軸{}トルク[Nm]", "tau"),
         ("关节{}力矩", "tau"),
         ("轴{}电流", "i"),
+        ("關節{}角度", "q"),
+        ("관절{}_각속도[rad/s]", "dq"),
+        ("{}축 토크 [Nm]", "tau"),
     ],
 )
 def test_a_joint_is_known_in_other_languages(stem: str, channel: str) -> None:
@@ -288,11 +291,27 @@ def test_the_time_is_known_in_other_languages(name: str) -> None:
 
 @pytest.mark.parametrize(
     "stem",
-    ["Sollposition_{}", "Achse {} Sollwert Winkel", "consigne couple axe {}", "関節{}角度指令", "关节{}期望位置"],
+    [
+        "Sollposition_{}",
+        "Achse {} Sollwert Winkel",
+        "consigne couple axe {}",
+        "関節{}角度指令",
+        "关节{}期望位置",
+        "관절{} 목표 위치",
+    ],
 )
 def test_what_is_asked_of_a_joint_was_not_measured_in_other_languages_either(stem: str) -> None:
     found = guess([Seen(stem.format(k), *SMALL) for k in (1, 2, 3)], ARM, {})
     assert all(isinstance(each, Advice) and "commanded" in each.text for each in found.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("qfrc_actuator_{}", True), ("qfrc_bias_{}", False), ("qfrc_passive_{}", False)]
+)
+def test_of_what_mujoco_calls_forces_at_the_joints_the_actuators_alone_are_the_torque(name: str, told: bool) -> None:
+    found = guess([Seen(name.format(k), *SMALL) for k in (0, 1, 2)], ARM, {})
+    channels = [each.channel for each in found.values() if isinstance(each, Suggestion)]
+    assert channels == (["tau.base", "tau.upper", "tau.fore"] if told else [])
 
 
 @pytest.mark.parametrize("name", ["existence", "motor_temps_3", "kisten_lage_x", "listing"])

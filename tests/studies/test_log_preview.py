@@ -11,8 +11,11 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from exogauge.errors import BadLog
 from exogauge.logs.findings import JointLimits
 from exogauge.logs.mapping import read_mapped
+from exogauge.logs.open_table import open_table
+from exogauge.logs.tables import TextLayout
 from exogauge.logs.whole_turns import in_one_course
 from exogauge.studies.import_log.column_words import JointFacts, Wearer
 from exogauge.studies.import_log.log_preview import preview
@@ -31,7 +34,7 @@ JOINTS = ("pan", "lift", "elbow", "wrist")
         ("\"array('d', [0.1, 0.2])\"", "each value of the list into a column of its own"),
         ("2026-03-01 12:00:00.5", "in seconds"),
         ("12:00:01.250", "in seconds"),
-        ("idle", "list it under `ignore`, or correct the cell"),
+        ("idle", "ignore it (`ignore`), or correct the cell"),
     ],
 )
 def test_text_in_a_column_is_told_by_what_it_looks_like(tmp_path: Path, cell: str, said: str) -> None:
@@ -113,3 +116,49 @@ def test_angles_told_from_0_to_360_degrees_are_drafted_and_read_as_one_course(tm
     (read,) = in_one_course([log], {name: JointLimits(*each) for name, each in zip(JOINTS, limits, strict=True)})
     for k, joint in enumerate(JOINTS):
         np.testing.assert_allclose(read.channels[f"q.{joint}"], q[:, k], atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "names"),
+    [
+        ("cp932", ("時間[s]", "関節1_角度[rad]", "関節1_電流[A]")),
+        ("gb18030", ("时间[s]", "关节1_角度[rad]", "关节1_电流[A]")),
+        ("big5", ("時間[s]", "關節1_角度[rad]", "關節1_電流[A]")),
+        ("cp949", ("시간[s]", "관절1_각도[rad]", "관절1_전류[A]")),
+        ("cp1252", ("Zeit [s]", "Gelenk1 Winkel [°]", "Gelenk1 Strom [A]")),
+    ],
+)
+def test_a_table_of_another_encoding_is_drafted_and_read_as_if_it_were_utf_8(tmp_path, encoding, names) -> None:
+    rows = "".join(f"{k / 100:.2f},{np.sin(k / 20):.6f},{np.cos(k / 20):.6f}\n" for k in range(400))
+    text = f"{','.join(names)}\n{rows}"
+    found = list[dict[str, np.ndarray]]()
+    for number, each in enumerate((encoding, "utf-8")):
+        path = tmp_path / f"log{number}.csv"
+        path.write_bytes(text.encode(each))
+        draft = preview(path, path.name, Wearer())["proposal"]
+        assert draft["files"][0].get("layout", {}).get("encoding") == (encoding if each == encoding else None)
+        rules = parse_mapping(yaml.safe_dump(draft).encode(), "mapping.yaml")
+        read = read_mapped({path.name: path}, rules, joints=("1",), motor_from_joint=np.eye(1), name="log")
+        found.append(read.channels)
+    assert {"q.1", "i.1"} <= set(found[0])
+    for channel, values in found[1].items():
+        np.testing.assert_array_equal(found[0][channel], values)
+
+
+def test_a_table_whose_names_say_nothing_in_any_encoding_is_refused_with_the_encodings(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(b"\xa1\xa2,\xa3\xa4\n1,2\n3,4\n")
+    with pytest.raises(BadLog) as refused:
+        preview(path, path.name, Wearer())
+    assert refused.value.faults[0].rule == "not_utf8"
+    assert "cp932" in refused.value.faults[0].advice
+
+
+def test_a_cell_that_is_no_number_is_told_as_it_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes("時間[s],角度[rad]\n0,0\n1,異常\n".encode("cp932"))
+    table = open_table(path, path.name, TextLayout(encoding="cp932"))
+    with pytest.raises(BadLog) as refused:
+        table.read(table.names)
+    (fault,) = refused.value.faults
+    assert (fault.row, fault.column, fault.value) == (2, "角度[rad]", "異常")

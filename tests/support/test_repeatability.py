@@ -13,7 +13,7 @@ from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
-SETTINGS, PEAK_S = SupportSettings(), 0.2  # [s]
+SETTINGS = SupportSettings()
 AWAY = 3  # samples from a turn at which nothing counts
 
 
@@ -109,14 +109,14 @@ def test_what_is_found_where_there_is_nothing_is_what_the_model_lacks_and_what_d
     bump = 0.8 * np.sin(2.0 * wander(1).time)[:, None] * np.eye(6)[joints[0]]
     runs = [biped.record(wander(1, base_seed=k), f"run{k}", extra=stribeck) for k in range(2)]
     plains = [ready(model, each, joints) for each in runs]
-    found = repeatability(plains, held, SETTINGS, PEAK_S)
+    found = repeatability(plains, held, SETTINGS)
     missed = low_passed(stribeck(wander(1).dq))[:, joints]
     steady = plains[0].balance.steady
     expected = [np.sqrt(np.mean(missed[steady[:, d], d] ** 2)) for d in range(2)]
     np.testing.assert_allclose(found.b.steady, expected, rtol=0.02)  # ends of filters differ
-    assert max(found.a.steady.max(), found.a.moves.max(), found.paired.steady.max()) < 1e-3
+    assert max(found.a.steady.max(), found.a.beyond["moves"].max(), found.paired.steady.max()) < 1e-3
     shaken = biped.record(wander(1, base_seed=1), "shaken", extra=lambda speed: stribeck(speed) + bump)
-    found = repeatability([plains[0], ready(model, shaken, joints)], held, SETTINGS, PEAK_S)
+    found = repeatability([plains[0], ready(model, shaken, joints)], held, SETTINGS)
     differing = low_passed(bump)[:, joints[0]][steady[:, 0]]
     assert found.a.steady[0] == pytest.approx(np.sqrt(np.mean(differing**2)), rel=0.02)
     assert found.a.steady[1] < 1e-3
@@ -127,7 +127,7 @@ def test_runs_of_unnamed_or_of_different_motions_are_not_taken_for_repeats(biped
     recorded = biped.record(wander(1))
     for motions in ((None, None), ("lift", "bend"), ("bend",)):
         plains = [ready(model, recorded, joints, motion) for motion in motions]
-        found = repeatability(plains, np.ones(2), SETTINGS, PEAK_S)
+        found = repeatability(plains, np.ones(2), SETTINGS)
         assert found.a is None
         assert found.paired is None
         assert found.b.whole.shape == (2,)
@@ -140,7 +140,7 @@ def test_what_drifts_slowly_is_in_the_null_test_of_what_compares_runs(biped, wan
         ready(model, biped.record(wander(1), f"run{k}", extra=lambda speed, k=k: np.full_like(speed, 0.1 * k)), joints)
         for k in range(4)
     ]
-    found = repeatability(plains, np.ones(2), SETTINGS, PEAK_S)
+    found = repeatability(plains, np.ones(2), SETTINGS)
     for each in (found.a, found.paired):
         np.testing.assert_allclose(each.steady, 0.3, rtol=0.05)
         np.testing.assert_allclose(each.mean, 0.3, rtol=0.2)

@@ -54,7 +54,8 @@ class Supporting:
     equal: float = criterion(
         2.0,
         "z",
-        "a smaller difference of two null tests leaves open which estimate is better",
+        "a smaller difference of two null tests leaves open which estimate is better; what one finds in the mean of "
+        "a motion is chance up to so many standard deviations of what is declared",
         derived("normal distribution, 95.4 %"),
     )
     known: float = criterion(

@@ -203,13 +203,15 @@ class Link:
 @dataclass(frozen=True)
 class Concentration:
     """Where most of an error sits: in a few moments, (log, [s]); or where a coordinate is above or below `at` [unit];
-    else throughout."""
+    else throughout. log: the one in which it is most, if any: its RMSE is `times` that of all."""
 
     moments: tuple[tuple[str, float], ...] = ()
     coordinate: Coordinate | None = None
     above: bool = False
     at: float = float("nan")
     unit: str = ""
+    log: str = ""
+    times: float = float("nan")
 
 
 THROUGHOUT = Concentration()

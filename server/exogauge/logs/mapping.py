@@ -235,7 +235,7 @@ def _check_columns(table: Table, each: FileMapping, used_anywhere: Set[str]) -> 
     ]
     if each.ignore is not None:
         known = {*used_anywhere, *each.ignore}
-        advice = "Say what it is, or list it under `ignore` (`ignore: rest` leaves out all others)."
+        advice = "Say what it is, or ignore it (`ignore`) (`ignore: rest` leaves out all others)."
         faults += [
             Fault(
                 "the mapping does not say what this column is", "unmapped_column", advice, table.file, 0, shorten(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol, final
 
@@ -18,6 +18,7 @@ from exogauge.logs.channels import shorten
 from exogauge.logs.model import Note
 
 RawArray = NDArray[Any]
+Encoding = Literal["utf-8", "cp1252", "cp932", "gb18030", "big5", "cp949"]
 UNNAMED = "Name it in the header, or leave it out: no sign at the end of lines, no index (pandas: `index=False`)."
 
 
@@ -27,12 +28,19 @@ class TextLayout:
     """How a text table is written. None: told from the first lines, refused where they allow two readings.
 
     header: the first line after `skip_lines` names the columns; otherwise they are called "1", "2", … from the left.
+    encoding: UTF-8, or UTF-16 where the file says so, if none is given; numbers are the same in all of them.
     """
 
     header: bool = True
     delimiter: str | None = None
     decimal: Literal[".", ","] | None = None
     skip_lines: int = 0
+    encoding: Encoding = "utf-8"
+
+    @property
+    def from_the_head(self) -> bool:
+        """Nothing is said of where the table begins and how it is written."""
+        return replace(self, encoding=TextLayout.encoding) == TextLayout()
 
 
 class Table(Protocol):

@@ -1,4 +1,5 @@
-"""Text tables: comma, semicolon (decimal comma), tab or blanks; plain or gzip; UTF-8 or UTF-16; read by pyarrow.
+"""Text tables: comma, semicolon (decimal comma), tab or blanks; plain or gzip; UTF-8, UTF-16 or what the layout says;
+read by pyarrow.
 
 pyarrow stops at the first cell that is no number; a second, tolerant pass then finds the offending cells by row,
 column and value.
@@ -13,7 +14,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, final
+from typing import Any, final, get_args
 
 import numpy as np
 import pyarrow as pa
@@ -25,7 +26,7 @@ from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_bytes, check_cells, rows_outside
 from exogauge.logs.model import Note
-from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
+from exogauge.logs.tables import Encoding, RawArray, TextLayout, broken, unpacked_head
 from exogauge.logs.text_head import (
     ARROW_FAILURES,
     decimal_of,
@@ -59,6 +60,7 @@ class TextTable:
         if other := stands_in(head):
             raise BadLog(Fault(f"the file is {other[0]}", "stands_in", f"{other[1]}.", file=file))
         self._utf16 = head[:2] in (b"\xff\xfe", b"\xfe\xff")
+        self._encoding = "utf-16" if self._utf16 else layout.encoding
         text = self._text(head)
         complete = text[: text.rfind("\n")] if len(head) == head_bytes and "\n" in text else text
         lines = complete.splitlines()
@@ -74,7 +76,7 @@ class TextTable:
                     row=0,
                 )
             )
-        if layout == TextLayout():
+        if layout.from_the_head:
             refuse_lines_before(lines, file)
         self._delimiter = layout.delimiter or delimiter_of(body[0])
         self._decimal = layout.decimal or decimal_of(body[layout.header :], self._delimiter, file)
@@ -170,7 +172,7 @@ class TextTable:
     def _bad_cells(self, cells: Any, name: str, row: int, room: int) -> Iterator[Fault]:
         found = 0
         for offset, cell in enumerate(cells.to_pylist()):
-            text = cell.decode("utf-8", "replace").strip()
+            text = cell.decode("utf-8" if self._recoded else self._encoding, "replace").strip()
             if text in _MISSING or is_number(text, self._decimal):
                 continue
             if found == room:
@@ -227,8 +229,12 @@ class TextTable:
             raise
         yield from reader
 
+    @property
+    def _recoded(self) -> bool:
+        return self._utf16 or self._delimiter == " "
+
     def _stream(self) -> Any:
-        if self._utf16 or self._delimiter == " ":
+        if self._recoded:
             with self._unpacked() as source:
                 source.seek(self._begin)
                 text = self._text(source.read(self._end - self._begin))
@@ -273,7 +279,7 @@ class TextTable:
         before = self._feeds - tail[len(body) :].count(b"\n")  # line feeds before the last line
         if self._utf16 or len(lines) < 3 or before <= self._skip_rows:
             return
-        whole, last = (self._cells(line.decode("utf-8", "replace").rstrip("\r")) for line in lines[1:])
+        whole, last = (self._cells(line.decode(self._encoding, "replace").rstrip("\r")) for line in lines[1:])
         width = len(self._names)
         ended = len(body) < len(tail)
         short = len(last) < width == len(whole)
@@ -281,7 +287,7 @@ class TextTable:
         if not short and not (broken_off and not self._is_value(last[-1])):
             return
         self._end = self._whole = size - len(tail) + len(body) - len(lines[-1])
-        detail = f"the last line ({shorten(lines[-1].decode('utf-8', 'replace'), 60)}) is cut off: left out"
+        detail = f"the last line ({shorten(lines[-1].decode(self._encoding, 'replace'), 60)}) is cut off: left out"
         self.notes = (Note("last_line_cut_off", f"{self.file}: {detail}", "", None),)
 
     def _is_value(self, cell: str) -> bool:
@@ -289,9 +295,7 @@ class TextTable:
 
     def _text(self, data: bytes) -> str:
         """Decoded; in the body a wrong byte becomes a replacement sign, which is then no number."""
-        if self._utf16:
-            return data.decode("utf-16", "replace")
-        if b"\0" in data:
+        if b"\0" in data and not self._utf16:
             raise BadLog(
                 Fault(
                     "the file is neither text nor a format known here",
@@ -300,7 +304,7 @@ class TextTable:
                     file=self.file,
                 )
             )
-        return data.decode("utf-8-sig", "replace")
+        return data.decode(self._encoding, "replace").removeprefix(codecs.BOM_UTF8.decode())
 
     def _cells(self, line: str) -> list[str]:
         if self._delimiter == " ":
@@ -311,11 +315,11 @@ class TextTable:
             raise BadLog(broken(problem, self.file)) from None
 
     def _count_rows(self) -> int:
-        """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap and at what is no UTF-8."""
+        """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap and at another encoding."""
         tail_bytes = 1 << 16  # of the end of a file, in which its last two lines are looked for
         size = feeds = returns = 0
         tail = b""
-        decoder = codecs.getincrementaldecoder("utf-16" if self._utf16 else "utf-8")()
+        decoder = codecs.getincrementaldecoder(self._encoding)()
         try:
             with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
                 while block := stream.read(1 << 22):
@@ -325,7 +329,7 @@ class TextTable:
                         decoder.decode(block)
                     except UnicodeDecodeError as problem:
                         row = feeds + problem.object[: problem.start].count(b"\n") - self._skip_rows + 1
-                        raise BadLog(self._not_utf8(row, problem)) from None
+                        raise BadLog(self._other_encoding(row, problem)) from None
                     feeds += block.count(b"\n")
                     returns += block.count(b"\r")
                     tail = (tail + block)[-tail_bytes:]
@@ -335,10 +339,12 @@ class TextTable:
         self._leave_out_a_cut_line(tail, size)
         return max(feeds, returns) + 1
 
-    def _not_utf8(self, row: int, problem: UnicodeDecodeError) -> Fault:
+    def _other_encoding(self, row: int, problem: UnicodeDecodeError) -> Fault:
         value = repr(problem.object[problem.start : problem.end])
+        others = ", ".join(each for each in get_args(Encoding) if each != self._encoding)
+        advice = f"Save the file as UTF-8, or say `layout: {{encoding: …}}` in a mapping: {others}."
         return Fault(
-            "the text is not UTF-8", "not_utf8", "Save the file as UTF-8.", self.file, max(row, 0), value=value
+            f"the text is not {self._encoding.upper()}", "not_utf8", advice, self.file, max(row, 0), value=value
         )
 
 

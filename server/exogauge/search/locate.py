@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def located(
     sure = _sureness(found, shown, {kind: channel for kind, (channel, _, _) in above.items()})
     result = [
         Excess(channel, unit_of(channel, equations.robot), rmse, floor, sure[kind],
-               _where(shown, kind, equations, found.model.criteria))
+               _where(shown, residuals, kind, equations, found.model.criteria))
         for kind, (channel, rmse, floor) in above.items()
         if sure[kind] > judging.sure_above
     ]  # fmt: skip
@@ -114,10 +115,16 @@ def _above_noise(squares: Array, criteria: Searching) -> float:
     return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
-def _where(residuals: Sequence[LogResiduals], kind: int, equations: Equations, criteria: Criteria) -> Concentration:
+def _where(
+    shown: Sequence[LogResiduals],
+    every: Sequence[LogResiduals],
+    kind: int,
+    equations: Equations,
+    criteria: Criteria,
+) -> Concentration:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
-    positions, in which it is largest."""
-    known = [each for each in residuals if kind in each.residual]
+    positions, in which it is largest, and the one of `every` log in which it is."""
+    known = [each for each in shown if kind in each.residual]
     moments = _moments(known, kind, criteria)
     if moments:
         return Concentration(moments)
@@ -145,7 +152,17 @@ def _where(residuals: Sequence[LogResiduals], kind: int, equations: Equations, c
         for above, at, part in ((False, low, values <= low), (True, high, values >= high)):
             if part.any() and square[part].mean() / square.mean() > best:
                 best, found = float(square[part].mean() / square.mean()), Concentration((), name, above, at, unit)
-    return found
+    log, times = _most_of_all(every, kind)
+    return replace(found, log=log, times=float(np.sqrt(times))) if times > criteria.search.part else found
+
+
+def _most_of_all(residuals: Sequence[LogResiduals], kind: int) -> tuple[str, float]:
+    """The log whose mean square error is the largest, and how many times that of all logs it is."""
+    e = {each.log: each.residual[kind] for each in residuals if kind in each.residual}
+    squares = {log: own[np.isfinite(own)] ** 2 for log, own in e.items()}
+    means = {log: float(own.mean()) for log, own in squares.items() if own.size}
+    log = max(means, key=lambda each: means[each])
+    return log, means[log] / float(np.concatenate(list(squares.values())).mean())
 
 
 def _moments(residuals: Sequence[LogResiduals], kind: int, criteria: Criteria) -> tuple[tuple[str, float], ...]:

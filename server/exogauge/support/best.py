@@ -1,4 +1,5 @@
-"""Which estimate a headline number comes from: the one that finds least where the truth is zero."""
+"""Which estimate a headline number comes from: the one that finds least where the truth is zero, beyond what is known
+to be in doubt of it, with that doubt."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from exogauge.support.repeatability import Null
 from exogauge.support.result import Best
 
 Regime = Literal["whole", "steady", "other"]
-LEAST = 1e-9  # [N·m] of a null test that finds nothing at all
+LEAST = 1e-9  # [N·m] of a null test that finds nothing at all, and nothing in doubt
 
 
 def best(
@@ -29,7 +30,7 @@ def best(
     if len(judged) < len(std):
         first = next(name for name in ("paired", "a", "b") if name in std)
         return Best(first, (first,))
-    size = {name: max(float(getattr(each, regime)[joint]), LEAST) for name, each in judged.items()}
+    size = {name: max(float(np.hypot(each.beyond[regime][joint], std[name])), LEAST) for name, each in judged.items()}
     share = {
         name: criteria.memory_s / (2.0 * max(float(each.lasting[regime][joint]), criteria.memory_s))
         for name, each in judged.items()

@@ -19,7 +19,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.support.evidence import Evidence
 from exogauge.support.inputs import variance_of_mean, weights_of_mean
 from exogauge.support.peak import Moments, peak_places, same_moments
-from exogauge.support.repeatability import Repeatability
+from exogauge.support.repeatability import Repeatability, beyond_chance
 from exogauge.support.result import Effort, Trial
 
 Array = NDArray[np.float64]
@@ -106,8 +106,7 @@ def _told(
     """Source -> standard deviation [N·m] of the mean over trials of means over windows.
 
     windows: trial -> (T,) samples. values: [N·m] of each trial. whole: of a motion or phase, over which errors that
-    last a second average out; a peak bears them all, as it does what the model lacks in just that posture: it is
-    looked for where most is found, and what is found where there is nothing may be most there.
+    last a second average out; a peak bears them all, as it does what the model lacks in just that posture.
     """
     K = len(values)
     scatter = float(np.var(values, ddof=1)) / K if K > 1 else 0.0
@@ -118,7 +117,6 @@ def _told(
     found = {source: float(np.sqrt(square)) for source, square in variance_of_mean(runs.model, means).items()}
     steady, other = (float(each[runs.joint]) for each in runs.repeats.spread(name))
     memory = runs.model.criteria.support.memory_s
-    highest = float(runs.repeats.peak_b[runs.joint]) if name == "b" else 0.0
     at_rest, nulls = list[float](), list[float]()
     for k, window in windows.items():
         moves, rests = (each[window, runs.joint] for each in (runs.trials[k].steady, runs.trials[k].rest))
@@ -126,19 +124,35 @@ def _told(
         noise = np.where(moves, steady, other) ** 2
         if not whole:
             at_rest.append(float(np.mean(hidden)))
-            nulls.append(max(float(np.sqrt(np.mean(noise))), highest))
+            nulls.append(float(np.sqrt(np.mean(noise))))
             continue
         seconds = float(window.sum()) * step(runs.trials[k])
         scatter += float(np.mean(np.where(rests, 0.0, noise))) / max(1.0, seconds / memory) / K**2
         at_rest.append(float(np.mean(np.where(rests, np.hypot(hidden, other), hidden))))  # it does not average out
     if whole and name in runs.repeats.by_approach:  # nor does what drifts
         nulls.append(float(runs.repeats.by_approach[name].mean[runs.joint]))
+    null = float(np.mean(nulls)) if nulls else 0.0
+    if name == "b" and not whole:
+        known = sum(std**2 for std in found.values())
+        there = beyond_chance(_in_that_posture(runs, windows) ** 2, known, runs.model.criteria.support.equal)
+        null = max(null, float(np.sqrt(there)))
     found |= {
         SCATTER: float(np.sqrt(scatter)),
         AT_REST: float(np.mean(at_rest)),
-        NULL_TEST: float(np.mean(nulls)) if nulls else 0.0,
+        NULL_TEST: null,
     }
     return {source: std for source, std in found.items() if std > 0.0}
+
+
+def _in_that_posture(runs: Runs, windows: Mapping[int, BoolArray]) -> float:
+    """[N·m] that B finds there without the device, on the average of the runs that have a partner; 0 without any."""
+    found = list[float]()
+    for k, window in windows.items():
+        evidence = runs.evidences[k]
+        if evidence.paired is not None:  # which is B less that
+            without = (evidence.b - evidence.paired)[window, runs.joint]
+            found += [float(np.mean(without))] if np.isfinite(without).all() else []
+    return float(np.mean(found)) if found else 0.0
 
 
 def _near(time: Array, top: int, seconds: float) -> BoolArray:

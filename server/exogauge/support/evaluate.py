@@ -97,7 +97,7 @@ def gather_support(
     for motion in dict.fromkeys(each.motion for each in worn):
         give_back()  # what the balances took
         plains = _plains(model, _of_motion(plain, motion), balances)
-        repeats = repeatability(plains, held, settings, model.criteria.support.peak_s, known)
+        repeats = repeatability(plains, held, settings, known)
         background = Background(joints, plains, repeats, held, None, drift, zeros)
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)

@@ -144,7 +144,8 @@ def gather(
     sloped = sloped_samples(prepared)
     doubts = Doubts(model, joints, courses)
     inputs = doubts.inputs(prepared, sloped)
-    std_b = _spread(model.doubt, inputs, sloped, own.steady, *repeats.spread("b"))
+    known = partial(doubts.of_samples, sloped=sloped, samples=len(own.time))
+    std_b = _spread(known(inputs), own.steady, *repeats.spread("b"))
     half_b = own.rest * background.held
     jacobian = on_joints(geometry.jacobian, routing, joints)
     at_rest = doubt_at_rest(own.torque, own.steady, half_b, geometry.length, np.any(jacobian, axis=0))
@@ -158,12 +159,12 @@ def gather(
         a, compared, half_a, reference = apart.torque, apart.compared, apart.rest * background.held, plain.name
         partner = doubts.inputs(plain.balance.prepared, apart.nearest[sloped])
         inputs_a = inputs.less(partner)
-        std_a = _spread(model.doubt, inputs_a, sloped, own.steady, *repeats.spread("a"))
+        std_a = _spread(known(inputs_a), own.steady, *repeats.spread("a"))
         rest_a = _rest_of_a(a, compared, half_a)
         std_a = np.hypot(std_a, rest_a)
         pair = paired(own, plain.balance, apart, background.held)
         inputs_pair = inputs_a if pair.from_partner.all() else inputs.less(partner, pair.from_partner)
-        std_pair = _spread(model.doubt, inputs_pair, sloped, own.steady, *repeats.spread("paired"))
+        std_pair = _spread(known(inputs_pair), own.steady, *repeats.spread("paired"))
         std_pair = np.hypot(std_pair, at_rest)
     main = main_joint(q)
     return Evidence(
@@ -225,18 +226,7 @@ def _rest_of_a(torque: Array, steady: BoolArray, half: Array) -> Array:
     return np.asarray(np.where(np.isnan(scatter), half / np.sqrt(3.0), moved))
 
 
-def _spread(
-    covariance: Array, inputs: Inputs, sloped: IntArray, moves: BoolArray, steady: Array, other: Array
-) -> Array:
-    """(T, D) standard deviation: of the robot's parameters and what is declared, and of what does not repeat, by
-    regime."""
-    everywhere = np.arange(len(moves))
-    result = np.where(moves, steady**2, other**2)
-    for joint in range(inputs.slope.shape[1]):
-        S = inputs.slope[:, joint]
-        live = np.flatnonzero(S.any(axis=0))
-        part = S[:, live].astype(np.float64)
-        variance = np.einsum("np,pq,nq->n", part, covariance[np.ix_(live, live)], part, optimize=True)
-        variance += sum(np.sum(each[:, joint].astype(np.float64) ** 2, axis=1) for each in inputs.declared.values())
-        result[:, joint] += np.interp(everywhere, sloped, np.maximum(variance, 0.0))
-    return np.sqrt(result)
+def _spread(known: Array, moves: BoolArray, steady: Array, other: Array) -> Array:
+    """(T, D) standard deviation. known: (T, D) variance of the robot's parameters and what is declared; steady, other:
+    (D,) of what does not repeat, by regime."""
+    return np.asarray(np.sqrt(np.where(moves, steady**2, other**2) + known))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -15,7 +15,6 @@ from exogauge.support.balance import Balance
 from exogauge.support.difference import difference
 from exogauge.support.inputs import Doubts, Inputs, sloped_samples
 from exogauge.support.paired import paired
-from exogauge.support.peak import peak_places, same_moments
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
@@ -45,16 +44,17 @@ class Plain:
 class Null:
     """What an approach finds where the truth is zero, (D,) [N·m] each. What is left out (`Log.left_out`) is in none.
 
-    RMS of the number that is told in steady motion, elsewhere, and over all samples. moves: elsewhere, of A at starts,
-    stops and turns alone: what it holds at rest has a doubt of its own. mean: RMS over the logs of their
-    means in steady motion, beyond what is known to be in doubt: that stands beside it in every number.
-    lasting: regime -> (D,) [s].
+    RMS of the number that is told in steady motion, elsewhere, and over all samples. lasting: regime -> (D,) [s].
+    Beyond what is known to be in doubt, which stands beside it in every number: beyond, RMS by regime, of them `moves`,
+    elsewhere, of A at starts, stops and turns alone, as what it holds at rest has a doubt of its own; mean, RMS over
+    the logs of their means in steady motion. A log errs alike throughout, so that its mean is one draw: what chance
+    may be is none.
     """
 
     steady: Array
     other: Array
     whole: Array
-    moves: Array
+    beyond: Mapping[str, Array]
     mean: Array
     lasting: Mapping[str, Array]
 
@@ -63,13 +63,11 @@ class Null:
 @dataclass(frozen=True)
 class Repeatability:
     """b: on logs without the device. a, paired: on the first of them against the last of the same motion, so that what
-    drifts is in them; None where there is only one. peak_b: (D,) [N·m] the peak that B finds on logs without the
-    device, 0 where no motion was repeated: what compares runs has none, as what the model lacks is in both."""
+    drifts is in them; None where there is only one."""
 
     b: Null
     a: Null | None
     paired: Null | None
-    peak_b: Array
 
     @property
     def by_approach(self) -> Mapping[str, Null]:
@@ -77,12 +75,13 @@ class Repeatability:
         return {name: each for name, each in found.items() if each is not None}
 
     def spread(self, approach: str) -> tuple[Array, Array]:
-        """(D,) each [N·m] of approach `a`, `b` or `paired`, in steady motion and elsewhere. From one log without the
-        device only, the model's error stands in for what compares runs, once for each run."""
-        found = self.by_approach.get(approach)
+        """(D,) each [N·m] of approach `a`, `b` or `paired`, in steady motion and elsewhere, beyond what is known to be
+        in doubt. From one log without the device only, the model's error stands in for what compares runs, once for
+        each run."""
+        found, runs = self.by_approach.get(approach), 1.0
         if found is None:
-            return np.sqrt(2.0) * self.b.steady, np.sqrt(2.0) * self.b.other
-        return found.steady, found.other if approach == "b" else found.moves
+            found, runs = self.b, np.sqrt(2.0)
+        return runs * found.beyond["steady"], runs * found.beyond["moves"]
 
     @property
     def between_runs_steady(self) -> Array:
@@ -91,22 +90,22 @@ class Repeatability:
 
 
 def repeatability(
-    plains: Sequence[Plain], held: Array, settings: SupportSettings, peak_s: float, doubts: Doubts | None = None
+    plains: Sequence[Plain], held: Array, settings: SupportSettings, doubts: Doubts | None = None
 ) -> Repeatability:
-    """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest. peak_s:
-    how long the mean lasts that is told as a peak. doubts: what of it stands beside it anyhow."""
+    """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest. doubts:
+    what of it stands beside it anyhow."""
     by_b, by_a, by_pair = list[_Seen](), list[_Seen](), list[_Seen]()
     inputs = dict[str, tuple[Inputs, IntArray]]()  # of those that were not fitted
     for plain in plains:
-        own, known = plain.balance, None
+        own = plain.balance
         whole = ~own.left_out[:, None] & np.ones_like(own.steady)
         told = bridged(own.torque, own.steady, own.rest * held)
-        steady = own.steady & whole
+        seen = _Seen(told, own.steady & whole, ~own.steady & whole, _step(own))
         if doubts is not None and plain.held_out:
             sloped = sloped_samples(own.prepared)
             inputs[plain.name] = doubts.inputs(own.prepared, sloped), sloped
-            known = doubts.of_means(*inputs[plain.name], steady)
-        by_b.append(_Seen(told, steady, ~own.steady & whole, _step(own), known))
+            seen = seen.less(doubts, *inputs[plain.name])
+        by_b.append(seen)
     for first, last in _first_and_last(plains):
         this, other = first.balance, last.balance
         apart = difference(this, other, match(first.posture, last.posture, settings))
@@ -116,14 +115,14 @@ def repeatability(
         if doubts is not None and first.name in inputs and last.name in inputs:
             at_first, sloped = inputs[first.name]
             partner = doubts.inputs(other.prepared, apart.nearest[sloped])
-            of_a, of_both = (at_first.less(partner, joints) for joints in (None, pair.from_partner))
-            a = replace(a, known=doubts.of_means(of_a, sloped, a.steady))
-            both = replace(both, known=doubts.of_means(of_both, sloped, both.steady))
+            a = a.less(doubts, at_first.less(partner), sloped)
+            both = both.less(doubts, at_first.less(partner, pair.from_partner), sloped)
         by_a.append(a)
         by_pair.append(both)
-    b = _null(by_b)
+    sure = 0.0 if doubts is None else doubts.model.criteria.support.equal
+    b = _null(by_b, sure)
     assert b is not None
-    return Repeatability(b, _null(by_a), _null(by_pair), _peak(plains, by_b, settings, peak_s))
+    return Repeatability(b, _null(by_a, sure), _null(by_pair, sure))
 
 
 def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
@@ -140,50 +139,60 @@ def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
 @dataclass(frozen=True)
 class _Seen:
     """(T, D) each: the number that is told, and the samples of each regime; moves: of the other one, those of which an
-    RMS is taken where rest has a doubt of its own. known: (D,) [N²·m²] of the mean in steady motion, if any."""
+    RMS is taken where rest has a doubt of its own. known: (T, D) [N²·m²] of each sample what is known to be in doubt,
+    of_mean: regime -> (D,) the same of the mean over it."""
 
     told: Array
     steady: BoolArray
     other: BoolArray
     step_s: float
-    known: Array | None = None
     moves: BoolArray | bool = True
+    known: Array | float = 0.0
+    of_mean: Mapping[str, Array] = field(default_factory=dict)
+
+    def less(self, doubts: Doubts, inputs: Inputs, sloped: IntArray) -> _Seen:
+        """Beyond what is in doubt of this log anyhow."""
+        of_mean = {name: doubts.of_means(inputs, sloped, chosen) for name, chosen in self.windows.items()}
+        return replace(self, known=doubts.of_samples(inputs, sloped, len(self.told)), of_mean=of_mean)
+
+    @property
+    def windows(self) -> Mapping[str, BoolArray]:
+        moves, whole = self.other & self.moves, self.steady | self.other
+        return {"steady": self.steady, "other": self.other, "moves": moves, "whole": whole}
 
 
-def _null(seen: Sequence[_Seen]) -> Null | None:
+def _null(seen: Sequence[_Seen], sure: float) -> Null | None:
     if not seen:
         return None
-    told, steady, other = (
-        np.concatenate([getattr(each, name) for each in seen]) for name in ("told", "steady", "other")
-    )
-    moves = np.concatenate([each.other & each.moves for each in seen])
+    told = np.concatenate([each.told for each in seen])
+    regimes = {name: np.concatenate([each.windows[name] for each in seen]) for name in ("steady", "other", "whole")}
     step = np.concatenate([np.full(len(each.told), each.step_s) for each in seen])[:, None]
-    squares = [_mean(each.told, each.steady) ** 2 - (0.0 if each.known is None else each.known) for each in seen]
-    regimes = {"steady": steady, "other": other, "whole": steady | other}
     lasting = {name: np.sum(step * (chosen & np.isfinite(told)), axis=0) for name, chosen in regimes.items()}
     size = {name: _rms(told, chosen) for name, chosen in regimes.items()}
+    beyond = {name: _beyond(seen, name, sure) for name in seen[0].windows}
     return Null(
-        **size, moves=_rms(told, moves), mean=np.sqrt(np.maximum(np.mean(squares, axis=0), 0.0)), lasting=lasting
+        **size, beyond={name: each for name, (each, _) in beyond.items()}, mean=beyond["steady"][1], lasting=lasting
     )
 
 
-def _peak(plains: Sequence[Plain], seen: Sequence[_Seen], settings: SupportSettings, peak_s: float) -> Array:
-    """(D,) read as the peak with the device is: where the other repetitions have theirs. Noise leaves little there, and
-    what the model lacks in one posture all of it. seen: of each of the logs."""
-    largest = np.zeros(seen[0].told.shape[1])
-    for motion in dict.fromkeys(plain.motion for plain in plains):
-        own = [k for k, plain in enumerate(plains) if plain.motion == motion and motion is not None]
-        if len(own) < 2:
-            continue
-        shifts = [match(plains[own[0]].posture, plains[k].posture, settings).lag_s for k in own]
-        times = [np.arange(len(seen[k].told), dtype=np.float64) * seen[k].step_s for k in own]
-        moments = same_moments(times, shifts)
-        for d in range(len(largest)):
-            lines, used = [seen[k].told[:, d] for k in own], [(seen[k].steady | seen[k].other)[:, d] for k in own]
-            found = peak_places(times, moments, lines, [None] * len(own), used, peak_s)
-            values = [each[1] for each in found if each is not None]
-            largest[d] = max(largest[d], abs(float(np.mean(values))) if values else 0.0)
-    return largest
+def _beyond(seen: Sequence[_Seen], regime: str, sure: float) -> tuple[Array, Array]:
+    """(D,) each: RMS beyond what is known to be in doubt, and the part of it that logs have on the average."""
+    within, of_means, known, samples = (np.zeros(seen[0].told.shape[1]) for _ in range(4))
+    for each in seen:
+        used = each.windows[regime] & np.isfinite(each.told)
+        count, at_mean = used.sum(axis=0), each.of_mean.get(regime, 0.0)
+        mean = np.sum(np.where(used, each.told, 0.0), axis=0) / np.maximum(count, 1)
+        within += np.sum(np.where(used, (each.told - mean) ** 2 - (each.known - at_mean), 0.0), axis=0)
+        of_means += count * mean**2
+        known += count * at_mean
+        samples += count
+    told, within = beyond_chance(of_means, known, sure), np.maximum(within, 0.0)
+    return np.sqrt((within + told) / np.maximum(samples, 1)), np.sqrt(told / np.maximum(samples, 1))
+
+
+def beyond_chance(square: Array | float, known: Array | float, sure: float) -> Array:
+    """What a square has beyond a variance that is known, where it is more than chance: `sure` standard deviations."""
+    return np.where(np.asarray(square) > sure**2 * np.asarray(known), np.asarray(square) - known, 0.0)
 
 
 def held_friction(model: RobotModel, own: Balance) -> Array:
@@ -200,12 +209,6 @@ def _rms(values: Array, chosen: BoolArray) -> Array:
     """(D,) over the chosen samples that are finite; 0 where there are none."""
     used = chosen & np.isfinite(values)
     return np.asarray(np.sqrt(np.sum(np.where(used, values, 0.0) ** 2, axis=0) / np.maximum(used.sum(axis=0), 1)))
-
-
-def _mean(values: Array, chosen: BoolArray) -> Array:
-    """(D,) over the chosen samples that are finite; 0 where there are none."""
-    used = chosen & np.isfinite(values)
-    return np.asarray(np.sum(np.where(used, values, 0.0), axis=0) / np.maximum(used.sum(axis=0), 1))
 
 
 def _step(own: Balance) -> float:

@@ -58,7 +58,7 @@ def look_beyond(
             Plain(_thin(model, model.prepare(each.log), joints), Posture(each.log, gathered.names), each.motion)
             for each in chosen
         ]
-        repeats = repeatability(plains, np.zeros(len(joints)), settings, model.criteria.support.peak_s)
+        repeats = repeatability(plains, np.zeros(len(joints)), settings)
         floors.append((repeats.between_runs_steady, repeats.b.steady))
         null[motion] = [_kept(each.balance, each.balance.torque, each.balance.steady) for each in plains]
         for each in own:

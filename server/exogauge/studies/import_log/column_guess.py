@@ -49,18 +49,18 @@ SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 OF_JOINTS = ("q", "dq", "ddq", "i", "tau", "temp")
 NO_RISE = (
     "It is called a time but does not rise in every row, as a coarse, missing or wrapped stamp does: choose another, "
-    "or list it under `ignore` and give `rate_hz`."
+    "or ignore it (`ignore`) and give `rate_hz`."
 )
 OWN_NAME = "the contract's own name, in its own unit"
 IN_TWO = " Of seconds and nanoseconds in two columns write the sum into one."
 OF_A_MODEL = (
-    "It looks like a part of the torque that a model tells, not the whole that was measured: list it under `ignore`."
+    "It looks like a part of the torque that a model tells, not the whole that was measured: ignore it (`ignore`)."
 )
 BESIDE = (
-    "It looks like an error, a limit, a spread, an offset, a count or a share of it, not what was measured: list it "
-    "under `ignore`, or say what it measures."
+    "It looks like an error, a limit, a spread, an offset, a count or a share of it, not what was measured: ignore it "
+    "(`ignore`), or say what it measures."
 )
-COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
+COMMANDED = "It looks like a commanded value, not a measured one: ignore it (`ignore`), or say what it measures."
 
 
 def guess(columns: Sequence[Seen], wearer: Wearer, norms: Mapping[str, float]) -> dict[str, Suggestion | Advice]:
@@ -240,7 +240,7 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
 
     def refusal(names: Sequence[str]) -> Advice:
         listed = ", ".join(repr(name) for name in names)
-        return Advice(f"{listed} may all be this; keep one and list the others under `ignore`.")
+        return Advice(f"{listed} may all be this; keep one and ignore the others (`ignore`).")
 
     return {name: refusal(doubled[name]) if name in doubled else each for name, each in found.items()}
 

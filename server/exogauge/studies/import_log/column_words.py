@@ -154,6 +154,8 @@ def kinds_in(tokens: Sequence[str]) -> tuple[str, ...]:
         return ("acc",)
     if not found and {"axis", "act"} <= set(tokens):  # KUKA's `$AXIS_ACT`
         return ("q",)
+    if not found and {"qfrc", "actuator"} <= set(tokens):  # MuJoCo's, at the joint; `actuator_force` is before a gear
+        return ("tau",)
     return found
 
 
@@ -205,7 +207,7 @@ def within(inner: Sequence[str], outer: Sequence[str]) -> tuple[str, ...] | None
     return None
 
 
-UNKNOWN = "Say what it measures (channel and unit), or list it under `ignore`."
+UNKNOWN = "Say what it measures (channel and unit), or ignore it (`ignore`)."
 SI = {"q": "rad", "dq": "rad/s", "ddq": "rad/s^2", "i": "A", "tau": "Nm", "acc": "m/s^2", "gyro": "rad/s",
       "temp": "degC", "f": "N", "m": "Nm"}  # fmt: skip
 OTHER = {"q": "deg", "dq": "deg/s", "i": "mA", "tau": "mNm", "gyro": "deg/s", "m": "mNm"}  # what it may be as well

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import yaml
@@ -24,7 +25,7 @@ from exogauge.logs.channels import parse_channel, shorten
 from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
-from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
+from exogauge.logs.tables import Encoding, RawArray, Table, TextLayout, read_names
 from exogauge.logs.whole_turns import continued, in_one_course
 from exogauge.robots.description import Robot
 from exogauge.studies.import_log.column_guess import COMMANDED, OF_A_MODEL, guess
@@ -150,17 +151,34 @@ def wearer(robot: Robot | None) -> Wearer:
 
 def _opened(path: Path, file: str, layout: TextLayout | None) -> tuple[Table, TextLayout]:
     """The table, and how it lies in the file: a table of bare numbers has its columns counted, what stands before the
-    names is skipped."""
+    names is skipped, and of another encoding is the one in which most of its names say something."""
     layout = layout or TextLayout()
     try:
         return open_table(path, file, layout), layout
     except BadLog as bad:
         (fault, *others) = bad.faults
-        if others or layout != TextLayout() or fault.value is None or fault.rule not in ("no_header", "lines_before"):
+        if fault.rule == "not_utf8" and layout.encoding == TextLayout().encoding:
+            opened = [each for each in _in_other_encodings(path, file, layout) if _understood(each[0])]
+            if opened:
+                return max(opened, key=lambda each: _understood(each[0]))
+        if others or not layout.from_the_head or fault.value is None or fault.rule not in ("no_header", "lines_before"):
             raise
         before = fault.rule == "lines_before"
         layout = replace(layout, skip_lines=int(fault.value)) if before else replace(layout, header=False)
         return open_table(path, file, layout), layout
+
+
+def _in_other_encodings(path: Path, file: str, layout: TextLayout) -> Iterator[tuple[Table, TextLayout]]:
+    for encoding in get_args(Encoding):
+        if encoding != layout.encoding:
+            with suppress(BadLog):
+                yield _opened(path, file, replace(layout, encoding=encoding))
+
+
+def _understood(table: Table) -> int:
+    """Quantities and units that the names of the columns say."""
+    said = [words_of(name) for name in table.names]
+    return sum(bool(kinds_in(words.tokens)) + (words.unit is not None) for words in said)
 
 
 def _values(table: Table, names: Sequence[str]) -> tuple[dict[str, RawArray], dict[str, Fault]]:
@@ -246,7 +264,7 @@ def _of_whole(found: Sequence[Suggestion]) -> str:
 
 
 def _text_column(fault: Fault) -> dict[str, Any]:
-    advice = f"{fault.detail[:1].upper()}{fault.detail[1:]}: list it under `ignore`."
+    advice = f"{fault.detail[:1].upper()}{fault.detail[1:]}: ignore it (`ignore`)."
     if fault.row is not None:
         cell = str(fault.value or "")
         advice = f"It holds text (row {fault.row}: {cell}), which no channel is made of: {_of_text(cell)}."
@@ -262,8 +280,8 @@ def _of_text(cell: str) -> str:
     if known_unit(bare) is not None:
         return "take the line of units out, and write them behind the names, such as `q1 [rad]`"
     if re.match(r"\d+[-/:]\d+[-/:]\d", bare):
-        return "write a date or time of day in seconds, or list it under `ignore` and give `rate_hz`"
-    return "list it under `ignore`, or correct the cell"
+        return "write a date or time of day in seconds, or ignore it (`ignore`) and give `rate_hz`"
+    return "ignore it (`ignore`), or correct the cell"
 
 
 def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:

@@ -25,21 +25,21 @@ ENGLISH = {
     "value": "wert messwert",
 }
 WITHOUT_SPACES = {
-    "time": "時間 時刻 时间 时间戳",
-    "angle": "角度 位置 関節角 关节角",
-    "velocity": "速度 角速度",
-    "acceleration": "加速度",
+    "time": "時間 時刻 时间 时间戳 시간",
+    "angle": "角度 位置 関節角 关节角 關節角 각도 위치",
+    "velocity": "速度 角速度 속도 각속도",
+    "acceleration": "加速度 가속도",
     "qacc": "角加速度",
     "gyro": "ジャイロ 陀螺仪",
-    "torque": "トルク 力矩 扭矩 转矩",
-    "current": "電流 电流",
-    "command": "指令 目標 目标 期望 设定",
-    "temperature": "温度",
-    "joint": "関節 关节 軸 轴",
-    "motor": "モータ モーター 电机",
-    "measured": "実測 計測 測定 测量 实际",
-    "value": "値 值",
-}  # of scripts that set no space between words
+    "torque": "トルク 力矩 扭矩 转矩 토크",
+    "current": "電流 电流 전류",
+    "command": "指令 目標 目标 期望 设定 명령 지령 목표",
+    "temperature": "温度 온도",
+    "joint": "関節 关节 軸 轴 關節 관절 축",
+    "motor": "モータ モーター 电机 馬達 모터",
+    "measured": "実測 計測 測定 测量 实际 測量 측정",
+    "value": "値 值 값",
+}  # of scripts that set no space between words, or often none
 _OF = {word: english for english, words in ENGLISH.items() for word in words.split()}
 _PIECE = {word: english for english, words in WITHOUT_SPACES.items() for word in words.split()}
 _PIECES = re.compile("|".join(sorted(_PIECE, key=len, reverse=True)))

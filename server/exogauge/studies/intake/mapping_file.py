@@ -21,7 +21,7 @@ from exogauge.logs.mapping_rules import (
     Wrench,
     check_rotation,
 )
-from exogauge.logs.tables import TextLayout
+from exogauge.logs.tables import Encoding, TextLayout
 from exogauge.logs.units import find_unit
 from exogauge.studies.intake.yaml_file import dotted, load_yaml, place
 
@@ -141,6 +141,7 @@ class LayoutEntry(_Part):
     delimiter: Literal[",", ";", "\t", " "] | None = None
     decimal: Literal[".", ","] | None = None
     skip_lines: Annotated[int, Field(ge=0, le=1000)] = 0
+    encoding: Encoding = "utf-8"
 
 
 class FileEntry(_Part):
@@ -267,7 +268,7 @@ def _file(entry: FileEntry, content: MappingFile) -> FileMapping:
         )
         for each in entry.wrenches
     ]
-    layout = TextLayout(entry.layout.header, entry.layout.delimiter, entry.layout.decimal, entry.layout.skip_lines)
+    layout = TextLayout(**dict(entry.layout))
     ignore = None if entry.ignore == "rest" else tuple(entry.ignore)
     return FileMapping(entry.file, clock, tuple(rules), ignore, layout)
 

@@ -67,15 +67,17 @@ def finding_sentence(finding: Finding) -> str:
 
 
 def where_words(excess: Excess) -> str:
-    """At which speeds, positions or times an error is largest."""
+    """At which speeds, positions or times, or in which log, an error is largest."""
     where: Concentration = excess.where
     if where.moments:
         moments = [f"{told(at, '.0f', 's')} of {log}" for log, at in where.moments]
         return f"in a few moments: at {', '.join(moments)}"
+    most = f"most in {where.log}, {told(where.times, '.2g')} times what it is in all logs" if where.log else ""
     if where.coordinate is None:
-        return "with the wear on" if excess.channel.startswith("support.") else "throughout"
+        return most or ("with the wear on" if excess.channel.startswith("support.") else "throughout")
     over = "time since the start" if where.coordinate == "time" else where.coordinate
-    return f"at a {over} {'above' if where.above else 'below'} {told(where.at, '.3g', where.unit)}"
+    at = f"at a {over} {'above' if where.above else 'below'} {told(where.at, '.3g', where.unit)}"
+    return f"{at}; {most}" if most else at
 
 
 def consequence_words(found: Consequence) -> str:

@@ -174,7 +174,7 @@ class ChannelExcess(Part):
     noise_floor: Number = Field(description="[unit]")
     z: Number = Field(description="standard errors above the floor")
     channel_words: str = later("the channel in words")
-    where: str = Field(description="in words: at which speeds, positions or times it is largest")
+    where: str = Field(description="in words: at which speeds, positions or times, and in which log, it is largest")
 
 
 @final
