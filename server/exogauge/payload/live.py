@@ -115,6 +115,11 @@ class Live:
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
 
+    @property
+    def told(self) -> bool:
+        """Whether so many samples came out that it was told what is known."""
+        return self.given >= self._every
+
     def zero(self) -> None:
         """Take a secondary zero from the next half second, in which nothing may touch the payload."""
         self._zero.begin()
