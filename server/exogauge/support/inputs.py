@@ -94,11 +94,14 @@ class Doubts:
 
     def of_means(self, inputs: Inputs, sloped: IntArray, windows: BoolArray) -> Array:
         """(D,) [N²·m²] variance of each joint's mean over its window (T, D) of one log; 0 where it is empty."""
-        variances = np.zeros(len(self.joints))
+        weights = np.zeros((len(self.joints), len(sloped)))
         for place in np.flatnonzero(windows.any(axis=0)):
-            mean = inputs.joint(int(place)), weights_of_mean(sloped, windows[:, place])
-            variances[place] = sum(variance_of_mean(self.model, [mean]).values())
-        return variances
+            weights[place] = weights_of_mean(sloped, windows[:, place])
+        S = np.einsum("dn,ndp->dp", weights, inputs.slope, optimize=True)
+        variances = np.einsum("dp,pq,dq->d", S, self.model.doubt, S, optimize=True)
+        for each in inputs.declared.values():
+            variances += np.sum(np.einsum("dn,ndk->dk", weights, each, optimize=True) ** 2, axis=1)
+        return np.asarray(np.maximum(variances, 0.0))
 
 
 def sloped_samples(prepared: Prepared) -> IntArray:
