@@ -82,12 +82,12 @@ class Doubts:
 
     def of_samples(self, inputs: Inputs, sloped: IntArray, samples: int) -> Array:
         """(T, D) [N²·m²] variance of each joint's torque, straight lines between the `sloped` samples."""
-        everywhere, variances = np.arange(samples), np.zeros((samples, len(self.joints)))
+        everywhere, variances, C = np.arange(samples), np.zeros((samples, len(self.joints))), self.model.doubt
         for joint in range(len(self.joints)):
             S = inputs.slope[:, joint]
             live = np.flatnonzero(S.any(axis=0))
             part = S[:, live].astype(np.float64)
-            own = np.einsum("np,pq,nq->n", part, self.model.doubt[np.ix_(live, live)], part, optimize=True)
+            own = np.einsum("np,pq,nq->n", part, C[np.ix_(live, live)], part, optimize=True)
             own += sum(np.sum(each[:, joint].astype(np.float64) ** 2, axis=1) for each in inputs.declared.values())
             variances[:, joint] = np.interp(everywhere, sloped, np.maximum(own, 0.0))
         return variances
