@@ -26,9 +26,10 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.storage.store import Storage
 
 KINDS = ("sqlite", "postgresql")
-LONG = (
-    "api/test_live.py", "discrepancy/test_band_effects.py", "discrepancy/test_band_limit.py", "synthetic/test_lab.py",
-    "upkeep/test_backup.py",
+LONG = (  # CPU seconds of each: 85 to 30; the last one waits for most of its time
+    "motion/test_plan.py", "discrepancy/test_band_effects.py", "support/test_band_doubt.py",
+    "motion/test_other_robots.py", "synthetic/test_lab.py", "discrepancy/test_band_limit.py", "upkeep/test_backup.py",
+    "discrepancy/test_sensor_effects.py", "api/test_live.py",
 )  # fmt: skip
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")
@@ -52,8 +53,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL. What stands beside this file, whole samples
     above all, begins first, and what takes a minute or more: of the longest none is left for the end, when the other
     processes have nothing to do."""
-    here = Path(__file__).parent
-    items.sort(key=lambda item: item.path.parent != here and item.path.relative_to(here).as_posix() not in LONG)
+    here, turn = Path(__file__).parent, {name: place for place, name in enumerate(LONG)}
+    items.sort(
+        key=lambda item: -1 if item.path.parent == here else turn.get(item.path.relative_to(here).as_posix(), len(LONG))
+    )
     for item in items:
         values = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(each, str) and each == "postgresql" for each in values):

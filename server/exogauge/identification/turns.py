@@ -95,18 +95,26 @@ class TurnsOf:
 
     def behind(self, stored: StoredPass | None) -> Turns:
         """A low-passed log shows no rests shorter than its band: what is slow for less has turned round."""
+        then, likely = self._seen_behind(stored)
+        if stored is None:
+            return Turns(then, then, 1.0 - np.abs(then))
+        passed, resting = (stored.let_through(x, self._rate_hz) for x in (likely, 1.0 - np.abs(then)))
+        late = min(round(stored.delay_s(self._rate_hz) * self._rate_hz), len(then))
+        return Turns(np.concatenate([np.repeat(then[:1], late, axis=0), then[: len(then) - late]]), passed, resting)
+
+    def stored_direction(self, stored: StoredPass) -> Array:
+        """That of `behind` alone, for those who try many."""
+        return stored.let_through(self._seen_behind(stored)[1], self._rate_hz)
+
+    def _seen_behind(self, stored: StoredPass | None) -> tuple[Array, Array]:
+        """(T, A) each: the direction, when it was, and the same as it is likely at every sample."""
         rate_hz, band_hz, q = self._rate_hz, self._finest.cutoff_hz, self._positions.before(stored)
         if stored is not None:
             band_hz = min(band_hz, stored.half_hz(rate_hz))
             q = LowPass(min(self._finest.cutoff_hz, self._at_rest.criteria.smooth * band_hz), rate_hz).apply(q)
         velocity = self._robot.on_axes(differentiate(q, rate_hz))
         then = directions(velocity, self._at_rest.threshold, round(rate_hz / band_hz))
-        if stored is None:
-            return Turns(then, then, 1.0 - np.abs(then))
-        likely = then * _sureness(velocity, self._at_rest.criteria.barely)
-        passed, resting = (stored.let_through(x, rate_hz) for x in (likely, 1.0 - np.abs(then)))
-        late = min(round(stored.delay_s(rate_hz) * rate_hz), len(then))
-        return Turns(np.concatenate([np.repeat(then[:1], late, axis=0), then[: len(then) - late]]), passed, resting)
+        return then, then if stored is None else then * _sureness(velocity, self._at_rest.criteria.barely)
 
 
 def _sureness(velocity: Array, barely: float) -> Array:

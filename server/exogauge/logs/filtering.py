@@ -60,7 +60,7 @@ class StoredPass:
         if self.late:
             passed = scipy.signal.sosfilt(sections, extended, axis=0, zi=steady[:, :, None] * extended[0])[0]
         else:
-            both_ways_by_scipy(sections, steady, extended)
+            (_compiled_both_ways() if _worth_it(extended.size) else both_ways_by_scipy)(sections, steady, extended)
             passed = extended
         line = line + (earlier - delay) * (flat[-1] - flat[0]) / (len(flat) - 1)
         whole, part = int(earlier), earlier % 1.0
@@ -186,9 +186,12 @@ class LowPass:
 
 
 def _zero_phase(size: int) -> Callable[[Array, Array, Array, int, Array], None]:
-    """For little, what is there already: to load the compiled one takes longer."""
-    loaded = _compiled_zero_phase.cache_info().currsize > 0
-    return _compiled_zero_phase() if size >= MANY or loaded else zero_phase_by_scipy
+    return _compiled_zero_phase() if _worth_it(size) else zero_phase_by_scipy
+
+
+def _worth_it(size: int) -> bool:
+    """For little, what is there already: to load compiled passes takes longer."""
+    return size >= MANY or any(each.cache_info().currsize for each in (_compiled_zero_phase, _compiled_both_ways))
 
 
 @cache
@@ -197,6 +200,13 @@ def _compiled_zero_phase() -> Callable[[Array, Array, Array, int, Array], None]:
     from exogauge.loops.passes import zero_phase
 
     return zero_phase
+
+
+@cache
+def _compiled_both_ways() -> Callable[[Array, Array, Array], None]:
+    from exogauge.loops.passes import both_ways
+
+    return both_ways
 
 
 def zero_phase_by_scipy(sections: Array, steady: Array, values: Array, beyond: int, out: Array) -> None:

@@ -91,7 +91,7 @@ def quantisation_step(values: Array) -> float | None:
     spacing = apart[apart > (1e-6 if single else 1e-11) * largest]
     if not spacing.size or (spacing.size < LOGS.few_levels and values.size < 4 * (1 + np.count_nonzero(apart))):
         return None
-    step = float(np.median(spacing[spacing < 1.5 * spacing.min()]))
+    step = float(medians(spacing[spacing < 1.5 * spacing.min()]))
     multiples = spacing / step
     multiples = multiples[multiples < 100.0]  # further ones sum up the rounding of the representation
     met = np.abs(multiples - np.round(multiples)) < 0.02 * np.maximum(1.0, multiples / 10.0)

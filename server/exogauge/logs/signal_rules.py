@@ -114,10 +114,10 @@ def held(log: Log, expected: Expectation) -> Iterator[Finding]:
                 continue
             apart = np.diff(changes)
             every = int(np.median(apart))
-            regular = np.mean(np.abs(apart - every) <= 1) > 1.0 - expected.criteria.alive
-            lattice = quantisation_step(values) or 0.0
+            if every <= 1 or np.mean(np.abs(apart - every) <= 1) <= 1.0 - expected.criteria.alive:
+                continue
             usual = float(np.median(np.abs(np.diff(values)[changes])))
-            if every > 1 and regular and usual > expected.criteria.still_steps * lattice:
+            if usual > expected.criteria.still_steps * (quantisation_step(values) or 0.0):
                 told.setdefault((kind_of(channel), every), []).append((channel, int(changes[0]) + 2))
     for (kind, every), channels in told.items():
         name = channels[0][0] if len(channels) == 1 else f"{kind}.*"

@@ -11,10 +11,12 @@ from typing import Any
 import pytest
 from pypdf import PdfReader
 
+from exogauge.studies.report import summary_page as made_by
 from exogauge.studies.report.page_model import Page, Table
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_figure import units_of
-from exogauge.studies.report.summary_page import SummaryPage, summary_page
+from exogauge.studies.report.summary_page import SCALES, SummaryPage, summary_page
+from exogauge.studies.report.summary_pdf import Sheet, lay_out, render_pdf
 from exogauge.studies.report.summary_text import DETAIL, summary_text
 
 Evaluated = Callable[..., dict[str, Any]]
@@ -270,6 +272,25 @@ def test_without_a_wear_there_is_a_page_too(evaluated: Evaluated) -> None:
     assert made.fits
     assert tables(made.content) == {}
     assert "RMSE" in shown(made)
+
+
+def test_a_page_that_fits_is_laid_out_once_and_of_several_the_largest_that_fits_is_taken(
+    evaluated: Evaluated, content: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    laid = list[float]()
+
+    def counted(page: Page, scale: float) -> Sheet:
+        laid.append(scale)
+        return lay_out(page, scale)
+
+    monkeypatch.setattr(made_by, "lay_out", counted)
+    summary_page(evaluated())
+    assert laid == [SCALES[0]]
+    laid.clear()
+    page = summary_page(renamed(content, "a joint whose name is long " * 8))
+    assert len(laid) > 1
+    found = [render_pdf(page.content, scale) for scale in SCALES]
+    assert page.pdf == next((pdf for pdf, fits in found if fits), found[-1][0])
 
 
 def test_a_joint_that_slides_is_told_in_newtons(content: dict[str, Any]) -> None:

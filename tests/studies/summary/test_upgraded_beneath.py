@@ -40,7 +40,7 @@ def test_an_upgrade_beneath_a_running_job_leaves_its_reports_as_they_were(
     evaluation: Evaluation, tmp_path: Path
 ) -> None:
     """Every data file of the package is replaced after the code was loaded, and before anything was rendered."""
-    shutil.copytree(PACKAGE, tmp_path / "exogauge", ignore=shutil.ignore_patterns("__pycache__", "_packaged"))
+    shutil.copytree(PACKAGE, tmp_path / "exogauge", ignore=shutil.ignore_patterns("*.nb?", "*.pyc.*", "_packaged"))
     (tmp_path / "evaluation").write_bytes(pickle.dumps(evaluation))
     subprocess.run([sys.executable, "-c", RUN, str(tmp_path), str(tmp_path)], check=True, timeout=120)
     assert (tmp_path / "report.html").read_text(encoding="utf-8") == render_report(evaluation)

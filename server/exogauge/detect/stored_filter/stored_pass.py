@@ -119,7 +119,7 @@ class _Trials:
         return np.array([self._left(replace(shape, hz=float(hz))) for hz in cutoffs])
 
     def _left(self, stored: StoredPass) -> Array:
-        jumps = [each.behind(stored).stored_direction for each in self._turns]
+        jumps = [each.stored_direction(stored) for each in self._turns]
         found = []
         for (axis, _), measured, smooth in zip(self._axes, self._y, self._load, strict=True):
             free = [each[:, axis] for each in self._free]

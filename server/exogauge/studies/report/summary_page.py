@@ -17,7 +17,7 @@ import jinja2
 
 from exogauge.studies.report.page_model import Box, Drawing, Label, Line, Page
 from exogauge.studies.report.summary_content import DETAILS, summary_content
-from exogauge.studies.report.summary_pdf import render_pdf
+from exogauge.studies.report.summary_pdf import Sheet, lay_out
 from exogauge.studies.words.remark_words import sentence
 
 SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
@@ -36,18 +36,26 @@ class SummaryPage:
 
 def summary_page(results: Mapping[str, Any]) -> SummaryPage:
     """results: the content of results.json. First the letters get smaller, then less is told and the rest counted."""
+    largest, *between, smallest = SCALES
+    tried = list[Sheet]()
+
+    def fits(scale: float) -> bool:
+        tried.append(lay_out(content, scale))
+        return tried[-1].fits
+
     for detail in DETAILS:
         content = summary_content(results, detail)
-        smallest = _printed(content, SCALES[-1])
-        if smallest.fits:
+        if fits(largest):  # as most pages do
             break
-    larger = (_printed(content, scale) for scale in SCALES[:-1])
-    return next((page for page in larger if page.fits), smallest)
-
-
-def _printed(content: Page, scale: float) -> SummaryPage:
-    pdf, fits = render_pdf(content, scale)
-    return SummaryPage(render_html(content, scale).encode(), pdf, content, fits)
+        if fits(smallest):
+            small = tried[-1]
+            tried += [] if any(fits(scale) for scale in between) else [small]
+            break
+    chosen = tried[-1]
+    page = SummaryPage(render_html(content, chosen.scale).encode(), chosen.bytes(), content, chosen.fits)
+    for each in tried:
+        each.put_away()
+    return page
 
 
 def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:

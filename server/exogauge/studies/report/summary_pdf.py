@@ -40,16 +40,23 @@ NO_DAY = datetime(1970, 1, 1, tzinfo=UTC)
 
 def render_pdf(page: Page, scale: float) -> tuple[bytes, bool]:
     """The document, always of one sheet, and whether all of the page found room on it at this scale of letters."""
-    sheet = _Sheet(scale)
-    bottom = sheet.page(page)
-    return sheet.bytes(), bottom <= BOTTOM
+    sheet = lay_out(page, scale)
+    return sheet.bytes(), sheet.fits
+
+
+def lay_out(page: Page, scale: float) -> Sheet:
+    """The same before it is a document, which costs as much again: its `fits` and its `bytes()`."""
+    sheet = Sheet(scale)
+    sheet.fits = sheet.page(page) <= BOTTOM
+    return sheet
 
 
 @final
-class _Sheet:
+class Sheet:
     """Every method draws at a place [mm] and says how far down it came."""
 
     def __init__(self, scale: float) -> None:
+        self.scale, self.fits = scale, False
         self.letter = LETTER * scale
         self.lacking: dict[str, None] = {}
         self.pdf = FPDF(unit="mm", format=SHEET)
@@ -66,6 +73,11 @@ class _Sheet:
 
     def bytes(self) -> bytes:
         return bytes(self.pdf.output())
+
+    def put_away(self) -> None:
+        """Its fonts' files are open until it is a document, or never will be one."""
+        for font in self.pdf.fonts.values():
+            font.close()  # type: ignore[union-attr]
 
     def page(self, page: Page) -> float:
         self.pdf.set_title(self._printed(page.title, ""))
