@@ -361,6 +361,28 @@ def test_postures_alone_tell_a_unit_by_what_a_wrench_scatters_at_rest(first: int
     assert foreign.COLUMNS[6 + (first + 3) % 6] not in told[0]
 
 
+RATED = "  range: {force_n: [400, 400, 800], moment_nm: [40, 40, 40]}"
+
+
+@pytest.mark.parametrize(("rated", "mass", "rule"), [(True, None, "beyond_range"), (False, 6.0, "no_such_mass")])
+def test_all_in_thousandths_is_refused_with_the_unit_where_no_sensor_or_no_arm_bears_it(
+    rated: bool, mass: float | None, rule: str, tmp_path: Path
+) -> None:
+    """It was told by its scatter alone."""
+    for factor in (1.0, 1000.0):
+        foreign.write(tmp_path, 8, mass=mass, tests=False, spoil=foreign.wrench(lambda w, f=factor: f * w))
+        text = (tmp_path / "payload.yaml").read_text(encoding="utf-8")
+        text = text.replace("sensor:\n", f"sensor:\n{RATED}\n") if rated else text
+        (tmp_path / "payload.yaml").write_text(text, encoding="utf-8")
+        if factor == 1.0:
+            evaluated(tmp_path)
+            continue
+        with pytest.raises(BadStudy) as refused:
+            evaluated(tmp_path)
+        assert refused.value.faults[0].rule == rule
+        assert "`sensor.force_unit: mN`" in str(refused.value)
+
+
 def test_an_excitation_alone_in_which_nothing_moves_is_refused(tmp_path: Path) -> None:
     """Rows that hold less than the noise of their columns were taken for sure."""
     foreign.write(tmp_path, 5, size=0.0, tests=False)

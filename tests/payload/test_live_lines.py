@@ -111,16 +111,31 @@ def test_what_cannot_be_read_is_told_and_counted_and_the_rest_goes_on(
     lines[30] = lines[30].replace(f'"fx": {rows[30, 7].item()!r}', '"fx": NaN')
     lines[40] = json.dumps(rows[40].tolist()[:-1])
     lines[50] = lines[49]
+    lines[55] = lines[55].replace(f'"fy": {rows[55, 8].item()!r}', '"fy": 1e300')
     monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(lines)))
     assert main(["payload", "live", str(sample), "--json"]) == 1
     found = said(capsys)
     faults = [each for each in found if each["type"] == "error"]
-    assert [each["rule"] for each in faults] == ["no_sample", "missing_column", "not_finite", "no_sample"]
-    assert [each["row"] for each in faults] == [11, 21, 31, 41]
+    assert [each["rule"] for each in faults] == ["no_sample", "missing_column", "not_finite", "no_sample", "not_finite"]
+    assert [each["row"] for each in faults] == [11, 21, 31, 41, 56]
     assert faults[2]["column"] == "fx"
-    assert sum(len(each["t"]) for each in found if each["type"] == "wrench") == 55
+    assert sum(len(each["t"]) for each in found if each["type"] == "wrench") == 54
     counts = [each for each in found if each["type"] == "payload"][-1]["counts"]
-    assert (counts["refused"], counts["out_of_order"]) == (4, 1)
+    assert (counts["refused"], counts["out_of_order"]) == (5, 1)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 60])
+def test_a_stream_of_which_too_few_samples_count_says_so(
+    count: int, sample: Path, begun: tuple[PayloadFile, Start], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """It ended without a word; so did one whose stamps all are the same."""
+    file, start = begun
+    rows = rows_of(sample, "slow", file, start)[:count]
+    rows[:, 0] = rows[:1, 0]
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(json.dumps(row.tolist()) for row in rows)))
+    assert main(["payload", "live", str(sample)]) == 1
+    assert f"of {count} samples {min(count, 1)} count" in capsys.readouterr().out
 
 
 def test_a_column_that_a_log_lacks_is_named(sample: Path, tmp_path: Path) -> None:

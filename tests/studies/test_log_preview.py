@@ -154,6 +154,14 @@ def test_a_table_whose_names_say_nothing_in_any_encoding_is_refused_with_the_enc
     assert "cp932" in refused.value.faults[0].advice
 
 
+def test_one_wrong_byte_in_a_row_does_not_make_it_another_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes("Zeit [s],Winkel [°]\n0,0\n1,2\n".encode() + b"2,\xff3\n3,4\n")
+    with pytest.raises(BadLog) as refused:
+        preview(path, path.name, Wearer())
+    assert (refused.value.faults[0].rule, refused.value.faults[0].row) == ("not_utf8", 3)
+
+
 def test_a_cell_that_is_no_number_is_told_as_it_is_written(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_bytes("時間[s],角度[rad]\n0,0\n1,異常\n".encode("cp932"))

@@ -180,7 +180,7 @@ def log_beside(options: argparse.Namespace) -> Path:
 
 
 def follow_payload(options: argparse.Namespace) -> int:
-    """1 when a sample was refused."""
+    """1 when a sample was refused, or so few came that nothing was told."""
     import json
     from contextlib import ExitStack
 
@@ -194,7 +194,7 @@ def follow_payload(options: argparse.Namespace) -> int:
             messages = written(messages, opened.enter_context(options.out.open("w", encoding="utf-8")))
         for line in (json.dumps(each) for each in messages) if options.json else lines(messages):
             print(line, flush=True)
-    return 1 if stream.arrivals.counts.refused else 0
+    return 1 if stream.arrivals.counts.refused or not stream.live.told else 0
 
 
 def plan_payload(options: argparse.Namespace) -> int:

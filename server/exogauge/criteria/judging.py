@@ -236,6 +236,18 @@ class Carrying:
     steep_deg: float = criterion(
         15.0, "°", "a base inclined more than that is a wrong pose, gravity or pair of axes", judgement(PAYLOAD)
     )
+    beyond_range: float = criterion(
+        2.0,
+        "1",
+        "of the rated range, through most of a log: amplifiers end before, and the unit is another one",
+        judgement(PAYLOAD),
+    )
+    heaviest_kg: float = criterion(
+        2500.0,
+        "kg",
+        "no arm lifts more: forces are in another unit; the strongest are sold for 2300",
+        judgement(PAYLOAD),
+    )
     far_m: float = criterion(
         3.0, "m", "no centre of mass is farther from a wrist: moments are in another unit", judgement(PAYLOAD)
     )

@@ -52,6 +52,18 @@ class Streaming:
         "by which a number must move in a second before what has converged is converging again: three times `stays`",
         judgement(RULES),
     )
+    contradicts: float = criterion(
+        8.0,
+        "std",
+        "of 16 numbers at once by which what is known differs from what was known before: another payload",
+        derived("χ² of 16 is more than 64 once in 10⁷"),
+    )
+    late_explains: float = criterion(
+        0.5,
+        "1",
+        "share of the square of what seems to be touched that a late wrench must explain, to be that: most of it",
+        judgement(RULES),
+    )
     thaws_s: float = criterion(
         0.3, "s", "of samples that are used, before what was frozen is no longer", judgement(RULES)
     )

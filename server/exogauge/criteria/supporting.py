@@ -54,8 +54,7 @@ class Supporting:
     equal: float = criterion(
         2.0,
         "z",
-        "a smaller difference of two null tests leaves open which estimate is better; what one finds in the mean of "
-        "a motion is chance up to so many standard deviations of what is declared",
+        "difference of two null tests, or of one's mean from what is declared, up to which it may be chance",
         derived("normal distribution, 95.4 %"),
     )
     known: float = criterion(

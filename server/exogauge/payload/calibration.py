@@ -119,8 +119,15 @@ class Calibration:
         readings, `of`, with an ideal sensor. more: readings beside those that were looked at. body: (10,)."""
         if self.exact:
             return np.zeros((SIZE, SIZE))
+        return self.of_lift(self.lift(body, of), body, more)
+
+    def lift(self, body: Array, of: Sequence[Seen]) -> Array:
+        """(18, 36) error of those by E, row by row."""
+        return _lift(*_equations(of, body, self.inclined)[:2])
+
+    def of_lift(self, lift: Array, body: Array, more: Sequence[Seen] = ()) -> Array:
+        """(18, 18) what E makes of what errs by it as `lift` says: of two estimates, the difference of theirs."""
         E, C = self.known(body, more)
-        lift = _lift(*_equations(of, body, self.inclined)[:2])
         return np.asarray(lift @ (C + np.outer(E, E)) @ lift.T)
 
     def left(self, body: Array) -> tuple[Array, float]:

@@ -313,9 +313,12 @@ def coloured(scores: Array, left: Array, memories: float) -> Array:
     for k in range(1, lags + 1):
         cross = scores[k:].T @ scores[:-k]
         out += (1.0 - k / (lags + 1.0)) * (cross + cross.T)
-    share = (lags + 1.0) / len(left)
-    quantile = float(np.polyval([-0.5324, 0.4160, 2.9694, 1.9600], share))
-    return np.asarray(out * (quantile / 1.9600) ** 2)
+    return np.asarray(out * fell_short((lags + 1.0) / len(left)))
+
+
+def fell_short(share: float) -> float:
+    """By how much such a sum over a share of all lags is more, as 1.96 of its roots are to hold 95 %."""
+    return (float(np.polyval([-0.5324, 0.4160, 2.9694, 1.9600], share)) / 1.9600) ** 2
 
 
 def _white(rows: Rows, left: Array) -> Array:

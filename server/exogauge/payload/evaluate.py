@@ -20,7 +20,7 @@ from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import reading_of_mu
 from exogauge.payload.imu import ImuFrame
 from exogauge.payload.intake import Payload
-from exogauge.payload.limits import saturation
+from exogauge.payload.limits import require_bearable, require_liftable, saturation
 from exogauge.payload.missing.at_rest import judged_at_rest, said_at_rest
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
@@ -73,12 +73,14 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if not payload.of("postures") and not payload.of("excitation"):
         advice = "Give a log the role `postures` (the arm stops here and there) or `excitation`."
         raise BadStudy(Fault("no log identifies the payload", "no_role", advice, payload.name, None, "logs"))
+    require_bearable(payload, criteria)
     logs, postures, said, imu = _read(payload, progress, criteria)
     if logs.excitation:
         progress(0.3, Stage.EXCITATION, Doing.IDENTIFYING_MOVED)
     stages = logs.stages(postures, said)
     if logs.excitation:
         progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
+    require_liftable(payload, float(stages.body[0]), criteria)
     told = _with_what_is_missing(logs, stages, _missing(logs, stages), progress)
     stages, rigid, missing = told.stages, told.rigid, told.missing
     if logs.contact:

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.errors import BadStudy, Fault
 from exogauge.logs.findings import Finding, longest_run
+from exogauge.logs.units import UNITS, find_unit, units_of
 from exogauge.payload.intake import Payload, Recording
 
 Array = NDArray[np.float64]
@@ -22,6 +24,44 @@ def saturation(payload: Payload, criteria: Criteria = USUAL) -> list[str]:
         for recording in payload.recordings
         for found in saturated(payload, recording, criteria)
     ]
+
+
+def require_bearable(payload: Payload, criteria: Criteria = USUAL) -> None:
+    """Raises BadStudy where a sensor would read, for most of a log, far beyond what it is rated for: none does."""
+    sensor = payload.file.sensor
+    if sensor.range is None:
+        return
+    for key, stated, dimension, limits, first in (
+        ("force_unit", sensor.force_unit, "force", sensor.range.force_n, 0),
+        ("moment_unit", sensor.moment_unit, "torque", sensor.range.moment_nm, 3),
+    ):
+        for each in payload.recordings:
+            share = np.abs(each.wrench.values[:, first : first + 3]) / np.array(limits)
+            times = float(np.median(share.max(axis=1)))
+            if times > criteria.payload.beyond_range:
+                detail = f"the wrench is {times:.3g} times what the sensor is rated for, through most of the log"
+                advice = units_within(1.0 / times, stated, dimension, f"sensor.{key}") + " Or `sensor.range` is wrong."
+                name = payload.file.sensor.wrench[first]
+                raise BadStudy(Fault(detail, "beyond_range", advice, each.wrench.file, None, name, stated))
+
+
+def require_liftable(payload: Payload, mass: float, criteria: Criteria = USUAL) -> None:
+    """Raises BadStudy where no arm lifts such a mass [kg]."""
+    most, stated = criteria.payload.heaviest_kg, payload.file.sensor.force_unit
+    if mass > most:
+        detail = f"the mass comes out {mass:.3g} kg, and no arm lifts more than {most:g} kg"
+        advice = units_within(most / mass, stated, "force", "sensor.force_unit")
+        first = next(iter(payload.recordings)).wrench.file
+        raise BadStudy(Fault(detail, "no_such_mass", advice, first, None, payload.file.sensor.wrench[0], stated))
+
+
+def units_within(share: float, stated: str, dimension: str, key: str) -> str:
+    """Which units make a reading no more than a share of what it is by the stated one."""
+    known = find_unit(stated)
+    names = [] if known is None else [
+        f"`{key}: {name}`" for name in units_of((dimension,)) if UNITS[name].factor <= share * known.factor
+    ]  # fmt: skip
+    return f"Say {' or '.join(names)}; moments may be in another unit, too." if names else f"Check `{key}`."
 
 
 def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ at once.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal, final
 
@@ -31,8 +31,9 @@ Zero = Literal["none", "taking", "held", "beyond", "refused"]
 class Start:
     """What is known when a stream begins. gravity: (3,) [m/s²] in {B}. sign: s. std: (6,) [N, N·m] of one wrench.
     believed: (16,) std of x of a payload of which nothing is known. late: [s] by which wrenches are late,
-    and its std, where logs say it. calibration: of the sensor, by what logs read. in_doubt: why what is told live is
-    not to be believed, as logs say."""
+    and its std, where logs say it; filtered: [s²] variance of the response of what delays them, and its std.
+    calibration: of the sensor, by what logs read. memory: samples at rest that count as one. in_doubt: why what is told
+    live is not to be believed, as logs say."""
 
     pose: Pose
     gravity: Array
@@ -43,7 +44,9 @@ class Start:
     false_alarms_per_hour: float = 1.0
     criteria: Criteria = USUAL
     late: tuple[float, float] | None = None
+    filtered: tuple[float, float] | None = None
     calibration: Calibration | None = None
+    memory: float = 1.0
     in_doubt: tuple[str, ...] = ()
 
 
@@ -112,6 +115,11 @@ class Live:
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
 
+    @property
+    def told(self) -> bool:
+        """Whether so many samples came out that it was told what is known."""
+        return self.given >= self._every
+
     def zero(self) -> None:
         """Take a secondary zero from the next half second, in which nothing may touch the payload."""
         self._zero.begin()
@@ -171,7 +179,13 @@ class Live:
 
     def _begun(self, *, named: bool) -> LiveFit:
         start = self.start
-        return LiveFit(start.prior, start.believed, start.criteria, named=named, calibration=start.calibration)
+        fit = LiveFit(
+            start.prior, start.believed, start.criteria, named=named, calibration=start.calibration,
+            memory=start.memory, filtered=start.filtered,
+        )  # fmt: skip
+        if named and start.filtered is None:
+            fit.filtered = _between_delay_and_pole(self.track.retimed.late)
+        return fit
 
     def _in_doubt(self, estimate: Estimate) -> tuple[str, ...]:
         said = list(self.start.in_doubt)
@@ -179,6 +193,12 @@ class Live:
             said.append(
                 "Most of the motion is in alarm and teaches nothing: something rests on the payload, or it is another "
                 "one, or the sensor's zero is another than before. Stop in postures anew, or take the zero."
+            )
+        off = self.fit.contradiction(estimate)
+        if off > self._says.contradicts:
+            said.append(
+                f"Motion says by {off:.2g} standard deviations another thing than before: the payload was changed or "
+                "has shifted, something rests on it, or the sensor's zero moves. Stop in postures anew."
             )
         if estimate.mu is not None and estimate.mu_std is not None and estimate.mu >= 1.0:
             reading = reading_of_mu(estimate.mu, estimate.mu_std, criteria=self.start.criteria.payload_dynamic)
@@ -188,13 +208,15 @@ class Live:
     def _late(self, estimate: Estimate) -> tuple[float, float] | None:
         """By how much wrenches are late. Where that is more than chance it is taken off from now on, and the fit begins
         anew where it was taken by too much of it for a straight line."""
-        more = estimate.late
+        more = self.fit.late_of_barred() or estimate.late
         if more is not None and abs(more[0]) > self.start.criteria.payload_dynamic.mu_stds * more[1]:
             self.fit.named = True
+            if self.start.filtered is None:
+                self.fit.filtered = _between_delay_and_pole(self.track.retimed.late + more[0])
             retimed, most = self.track.retimed, self.start.criteria.payload.latest_s
             if abs(more[0]) > self._says.straight_s:
                 retimed.late = float(np.clip(retimed.late + more[0], -most, most))
-                self.fit = self._begun(named=True)
+                self.fit, self.left_out = self._begun(named=True), 0
                 return retimed.late, more[1]
         if not self.fit.named or more is None:
             return self._told_late
@@ -220,7 +242,10 @@ class Live:
             held.barred[max(at - self._before, 0) : at] = True
         ripe = max(len(held.barred) - self._before, 0)
         use = held.exciting[:ripe] & ~held.barred[:ripe]
-        self.left_out += int(np.sum(held.exciting[:ripe] & held.barred[:ripe]))
+        left_out = held.exciting[:ripe] & held.barred[:ripe]
+        self.left_out += int(np.sum(left_out))
+        if left_out.any():
+            self.fit.of_barred(replace(rows, z=held.z[:ripe][left_out]), held.rates[:ripe][left_out])
         if use.any():
             self.fit.take(
                 Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign, held.tipped[:ripe][use]),
@@ -234,6 +259,11 @@ class Live:
     def _compensated(self, estimate: Estimate) -> Compensation:
         start = self.start
         return Compensation(estimate.value, estimate.covariance, start.gravity, start.sign, start.std)
+
+
+def _between_delay_and_pole(late: float) -> tuple[float, float]:
+    """[s²] variance of the response of what delays by so much [s], of which nothing else is known, and its std."""
+    return 0.5 * late * abs(late), 0.5 * late**2
 
 
 @final

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.criteria.payload_live import USUAL, Streaming
 from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.logs.channels import shorten
@@ -48,10 +49,11 @@ class Columns:
             advice = f"In this order: {', '.join(self.names)}."
             detail = f"a sample has {len(self.names)} numbers"
             raise BadStudy(Fault(detail, "wrong_width", advice, "stream", value=str(found)))
-        bad = np.argwhere(~np.isfinite(rows))
+        bad = np.argwhere(~(np.abs(rows) <= LOGS.largest))
         if len(bad):
             row, column = (int(k) for k in bad[0])
-            detail, advice = "not a finite number", "Leave the sample out: it counts as missing."
+            detail = "not a finite number, or beyond any reading"
+            advice = "Leave the sample out: it counts as missing."
             value = str(rows[row, column])
             raise BadStudy(Fault(detail, "not_finite", advice, "stream", row + 1, shorten(self.names[column]), value))
         si = rows * self._factors

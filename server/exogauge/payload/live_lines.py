@@ -86,7 +86,7 @@ def from_log(path: Path, stream: Stream) -> Iterator[Mapping[str, Any]]:
     for first in range(0, len(rows), AT_ONCE):
         part = rows[first : first + AT_ONCE]
         yield from stream.take(np.arange(first, first + len(part)), part)
-    yield from stream.end()
+    yield from _ended(stream)
 
 
 def from_lines(lines: Iterable[str], stream: Stream) -> Iterator[Mapping[str, Any]]:
@@ -108,7 +108,18 @@ def from_lines(lines: Iterable[str], stream: Stream) -> Iterator[Mapping[str, An
             yield error_message(error)
             continue
         yield from stream.take(np.array([number + 1]), row[None])
+    yield from _ended(stream)
+
+
+def _ended(stream: Stream) -> Iterator[Mapping[str, Any]]:
     yield from stream.end()
+    counts = stream.arrivals.counts
+    if not stream.live.told:
+        detail = f"of {counts.received} samples {counts.taken} count, too few to tell anything"
+        advice = (
+            "Every sample needs a later time than the one before, and there must be some tenths of a second of them."
+        )
+        yield error_message(Fault(detail, "too_few_samples", advice, "stream"))
 
 
 def parsed(text: str, order: Sequence[str], names: Sequence[str], line: int) -> Array:

@@ -24,6 +24,7 @@ from exogauge.payload.prepare import declared_of, std_of
 from exogauge.payload.sensor_motion import Chain
 from exogauge.payload.smoothing import likeliest, shown_std
 from exogauge.payload.stages import prior_of, stated_sign
+from exogauge.payload.statics import Holds
 
 Array = NDArray[np.float64]
 
@@ -44,13 +45,14 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
         detail = "live, without joint angles or a position nothing says how the sensor accelerates"
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
     gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
-    believed, late = np.sqrt(np.diag(prior.covariance)), None
+    believed, late, filtered = np.sqrt(np.diag(prior.covariance)), None, None
     calibration: Calibration = uncalibrated(declared_of(payload.file, criteria))
     in_doubt: tuple[str, ...] = ()
+    memory = 1.0
     zero: str = settings.zero
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
-        late = _late(found)
+        late, filtered = _late(found)
         sign, stages = found.sign, found.stages
         zero = "drifted" if _of_zeros(found) else zero
         if late is None and found.rigid is not None and not found.missing.calibrated and not _of_zeros(found):
@@ -63,13 +65,14 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
         if stages.postures is not None:
             prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
+            memory = _memory(payload, stages.postures.holds, criteria)
         if stages.excitation is not None:
             prior = _after(stages.excitation.chosen, zero, criteria.payload_dynamic)
     else:
         sign = stated_sign(payload)
     return Start(
         pose_of(payload, criteria), gravity, sign, std_of(payload), prior, believed,
-        settings.false_alarms_per_hour, criteria, late, calibration, in_doubt,
+        settings.false_alarms_per_hour, criteria, late, filtered, calibration, memory, in_doubt,
     )  # fmt: skip
 
 
@@ -84,7 +87,7 @@ def _in_doubt(found: Evaluation) -> tuple[str, ...]:
     missing = found.missing
     if missing.decision.verdict == "unexplained":
         return ("The logs leave something that nothing explains: what is told live does not hold.",)
-    taken = {"gain", "crosstalk", "calibration", *(["delay"] if _late(found) is not None else [])}
+    taken = {"gain", "crosstalk", "calibration", *(["delay"] if _late(found)[0] is not None else [])}
     taken |= {"zero_of_log", "zero_step"} if _of_zeros(found) else set()
     names = [name_of(each.effect, each.place) for each in missing.found if each.effect not in taken]
     if not names:
@@ -99,13 +102,29 @@ def _of_zeros(found: Evaluation) -> bool:
     return found.missing.in_the_model and all(name.startswith("zero") for name in names)
 
 
-def _late(found: Evaluation) -> tuple[float, float] | None:
-    """[s] by which wrenches are late, and its std, where logs say that, and that nothing else is missing."""
+Pair = tuple[float, float] | None
+
+
+def _late(found: Evaluation) -> tuple[Pair, Pair]:
+    """[s] by which wrenches are late, and its std, where logs say that, and that nothing else is missing; [s²] variance
+    of the response of what delays them, and its std."""
     named = {each.effect: each.parameters for each in found.missing.found}
     if not found.missing.in_the_model or set(named) != {"delay"}:
-        return None
-    delay = named["delay"][0]  # [ms]
-    return 1e-3 * delay.value, 1e-3 * delay.std
+        return None, None
+    delay, variance = named["delay"]  # [ms], [ms²]
+    return (1e-3 * delay.value, 1e-3 * delay.std), (1e-6 * variance.value, 1e-6 * variance.std)
+
+
+def _memory(payload: Payload, holds: Holds, criteria: Criteria) -> float:
+    """Samples at rest that count as one, where that is surely more than one: halves of postures differ so."""
+    logs = [each for each in payload.of("postures") if not each.each_row]
+    if holds.unrest is None or holds.noise is None or holds.spans is None or not logs or not holds.noise.all():
+        return 1.0
+    period = float(np.median(np.diff(logs[0].wrench.time)))
+    count = float(np.median(np.diff(holds.spans, axis=1))) / period + 1.0
+    found = float(np.mean(count * (holds.unrest / holds.noise) ** 2))
+    chance = criteria.payload_static.unrest_stds * np.sqrt(2.0 / (6.0 * len(holds)))
+    return found if found > 1.0 + chance else 1.0
 
 
 def _identifying(payload: Payload) -> list[Recording]:

@@ -82,23 +82,26 @@ class Doubts:
 
     def of_samples(self, inputs: Inputs, sloped: IntArray, samples: int) -> Array:
         """(T, D) [N²·m²] variance of each joint's torque, straight lines between the `sloped` samples."""
-        everywhere, variances = np.arange(samples), np.zeros((samples, len(self.joints)))
+        everywhere, variances, C = np.arange(samples), np.zeros((samples, len(self.joints))), self.model.doubt
         for joint in range(len(self.joints)):
             S = inputs.slope[:, joint]
             live = np.flatnonzero(S.any(axis=0))
             part = S[:, live].astype(np.float64)
-            own = np.einsum("np,pq,nq->n", part, self.model.doubt[np.ix_(live, live)], part, optimize=True)
+            own = np.einsum("np,pq,nq->n", part, C[np.ix_(live, live)], part, optimize=True)
             own += sum(np.sum(each[:, joint].astype(np.float64) ** 2, axis=1) for each in inputs.declared.values())
             variances[:, joint] = np.interp(everywhere, sloped, np.maximum(own, 0.0))
         return variances
 
     def of_means(self, inputs: Inputs, sloped: IntArray, windows: BoolArray) -> Array:
         """(D,) [N²·m²] variance of each joint's mean over its window (T, D) of one log; 0 where it is empty."""
-        variances = np.zeros(len(self.joints))
+        weights = np.zeros((len(self.joints), len(sloped)))
         for place in np.flatnonzero(windows.any(axis=0)):
-            mean = inputs.joint(int(place)), weights_of_mean(sloped, windows[:, place])
-            variances[place] = sum(variance_of_mean(self.model, [mean]).values())
-        return variances
+            weights[place] = weights_of_mean(sloped, windows[:, place])
+        S = np.einsum("dn,ndp->dp", weights, inputs.slope, optimize=True)
+        variances = np.einsum("dp,pq,dq->d", S, self.model.doubt, S, optimize=True)
+        for each in inputs.declared.values():
+            variances += np.sum(np.einsum("dn,ndk->dk", weights, each, optimize=True) ** 2, axis=1)
+        return np.asarray(np.maximum(variances, 0.0))
 
 
 def sloped_samples(prepared: Prepared) -> IntArray:

@@ -22,6 +22,7 @@ from exogauge.payload.missing.fit import (
     weighted,
     with_best_shape,
 )
+from exogauge.payload.missing.sensor_effects import low_pass
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
@@ -96,6 +97,19 @@ def slightly_late(
         return None
     shift = late * np.linalg.solve(found.triangle, across)[:SIZE]
     return late, std, np.outer(shift, shift)
+
+
+def of_filter(problem: Problem, named: Sequence[Named], late: float) -> tuple[float, float, Array]:
+    """[ms²] variance of the response of a filter by which the wrench is `late` [ms], its std, and (18, 18) the square
+    of what that leaves open of body, zero and turn. By slow means: errors of smoothed accelerations have second
+    derivatives, too. Before any data it is between that of a pure delay and that of one pole."""
+    more, believed = [*named, Named(low_pass(), ())], 0.5 * late * abs(late)
+    slow, whole = (fit(each, more) for each in (problem.slow(), problem))
+    variance = max(slow.rss / slow.rows, 1.0) * slow.covariance[-1, -1]
+    weight = believed**2 / (believed**2 + variance)
+    std = float(np.sqrt(weight * variance))
+    slope = whole.covariance[:SIZE, -1] / whole.covariance[-1, -1]
+    return float(weight * slow.x[-1] + (1.0 - weight) * believed), std, std**2 * np.outer(slope, slope)
 
 
 def slightly_inclined(

@@ -28,6 +28,7 @@ from exogauge.payload.missing.doubt import (
     is_foretold,
     numbers,
     numbers_with_std,
+    of_filter,
     of_unexplained,
     slightly_inclined,
     slightly_late,
@@ -51,8 +52,10 @@ from exogauge.payload.missing.sensor_effects import (
     crosstalk,
     delay,
     inclination,
+    low_pass,
     of_all_channels,
     turned_axes,
+    zero_between,
     zero_drift,
     zero_of_log,
     zero_step,
@@ -206,7 +209,11 @@ def find_missing(
         claims.append((winner, rivals))
         _again(problem, named)
         problem, base = _settled(problem, named)
-    found = [_told(problem, base, named, k, *claim) for k, claim in enumerate(claims)]
+    filtered = _filtered(problem, base, named)
+    if filtered is not None:
+        named.append(Named(low_pass(filtered[0]), ()))
+        problem, base = _settled(problem, named)
+    found = [_told(problem, base, named, k, *claim, filtered) for k, claim in enumerate(claims)]
     own = [each for stretch in held_out for each in _of_its_own(problem, base, named, stretch)]
     logs = [*(each for each in fitted if not each.still), *held_out]
     before = {each.name: _ratios(first_problem, first, [], each) for each in logs}
@@ -232,6 +239,7 @@ def find_missing(
     if all(each.effect.name != "delay" for each in named):
         late = slightly_late(problem, base, named, delay(criteria.payload))
     slight = np.zeros((SIZE, SIZE)) if late is None else late[2]
+    doubt = doubt if filtered is None else doubt + filtered[2]
     leans = None
     if not inclined and all(each.effect.name != "inclination" for each in named):
         leans, turned = slightly_inclined(problem, base, named)
@@ -244,6 +252,12 @@ def find_missing(
         more = of_unexplained(first_problem)
         told = replace(told, doubt=told.doubt + more, slight_doubt=told.slight_doubt + more)
     return told
+
+
+def _filtered(problem: Problem, base: Fitted, named: Sequence[Named]) -> tuple[float, float, Array] | None:
+    """Of the filter that delays the wrench, where that was named."""
+    of = [k for k, each in enumerate(named) if each.effect.retimed]
+    return of_filter(problem, named, float(numbers(problem, base, named, of[0])[0])) if of else None
 
 
 def _course(
@@ -267,6 +281,7 @@ def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> 
     out += [*of_all_channels(criteria), turned_axes(criteria)]
     out += [zero_of_log(each.name) for each in moved if len(fitted) > 1]
     out += [zero_step(each.name, each.time) for each in moved]
+    out += [zero_between(each) for each in fitted if each.still and len(each.wrench) > 3]
     return out
 
 
@@ -347,10 +362,12 @@ def _judged(
         return None
     base, judges = problem, list(held_out)
     if candidate.effect.of_log is not None or not judges:
+        block_s = problem.criteria.judging.block_s
         pairs = [
-            each.halves(problem.criteria.judging.block_s) if not each.still else (each, None)
+            each.halves(1.0 if each.still else block_s) if not each.still or candidate.effect.of_log == each.name
+            else (each, None)
             for each in problem.stretches
-        ]
+        ]  # fmt: skip
         base = problem.of([even for even, _ in pairs])
         judges = [odd for _, odd in pairs if odd is not None and candidate.effect.of_log in (None, odd.name)]
         after = fit(base, more)
@@ -398,8 +415,9 @@ def _of_its_own(
 
 def _told(
     problem: Problem, found: Fitted, named: Sequence[Named], which: int, candidate: _Candidate,
-    rivals: tuple[tuple[str, str], ...],
+    rivals: tuple[tuple[str, str], ...], filtered: tuple[float, float, Array] | None = None,
 ) -> Finding:  # fmt: skip
+    """filtered: variance [ms²] of the filter that delays, and its std."""
     effect = named[which].effect
     if effect.swings and below_floor(problem, found):
         parameters: tuple[Parameter, ...] = ()
@@ -409,6 +427,8 @@ def _told(
             Parameter(name, unit, float(v), float(s))
             for (name, unit), v, s in zip(effect.parameters, value, std, strict=True)
         )
+        if effect.retimed and filtered is not None:
+            parameters = (*parameters, Parameter("variance", "ms²", *filtered[:2]))
     return Finding(
         effect.name, effect.place, parameters, candidate.evidence, candidate.before, candidate.after, rivals
     )  # fmt: skip

@@ -64,6 +64,22 @@ def zero_step(log: str, time: Array) -> Effect:
     )
 
 
+def zero_between(postures: Stretch) -> Effect:
+    """The zero jumps once between two postures; afterwards it is that of all that follows."""
+    K, fewest = len(postures.wrench), 2  # postures before and after: one alone is one that something touched
+
+    def columns(_frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        return _every_channel(np.where((stretch.time < shape[0]) & stretch.still, -1.0, 0.0))
+
+    def told(_frame: Frame, shape: Array, value: Array) -> Array:
+        return np.concatenate([np.ceil(shape) + 1.0, value])
+
+    moments = tuple((k - 0.5,) for k in range(fewest, K - fewest + 1))
+    bounds = ((fewest - 0.75, K - fewest - 0.25),)
+    parameters = (("from", "posture"), *_of_channels())
+    return Effect("zero_step", postures.name, parameters, columns, told, bounds, moments, postures.name, jumps=True)
+
+
 def zero_drift() -> Effect:
     """The zero moves on through a session and settles; where clocks do not say when a log was, evenly through every log
     with motion."""
@@ -132,6 +148,26 @@ def delay(criteria: Carrying = USUAL) -> Effect:
     latest = criteria.latest_s
     starts = tuple((float(each),) for each in np.linspace(-0.8, 0.8, 5) * latest)
     return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
+
+
+def low_pass(variance: float | None = None) -> Effect:
+    """The wrench is smoothed more than the pose. By the cumulants of a filter's response, ln H = -late s + variance
+    s² / 2 - ...: what is late is `delay`, and half the variance [ms²] goes with the second derivative of what is read.
+    One pole has its delay squared, two alike half of that, a maximally flat filter none."""
+    apart = 0.05  # s of a second difference: 2 % less at 1.5 Hz, and no noise of smoothed accelerations to speak of
+
+    def columns(frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        read, scale = stretch.rigid @ frame.body, 0.5e-6 * (1.0 if variance is None else variance)
+        if stretch.still or len(read) < 3:
+            return np.zeros((*read.shape, 1))
+        period = (stretch.time[-1] - stretch.time[0]) / (len(read) - 1)
+        n = min(max(round(apart / period), 1), (len(read) - 1) // 2)
+        middle = np.clip(np.arange(len(read)), n, len(read) - 1 - n)
+        bend = (read[middle + n] - 2.0 * read[middle] + read[middle - n]) / (n * period) ** 2
+        return np.asarray(scale * bend[:, :, None])
+
+    parameters = (("variance", "ms²"),)
+    return Effect("low_pass", "sensor", parameters, columns, _as_they_are, unit=variance is not None)
 
 
 def of_all_channels(criteria: Carrying = USUAL) -> list[Effect]:

@@ -62,7 +62,7 @@ class Stretch:
         return replace(self, block=max(1, round(seconds / period)))
 
     def halves(self, block_s: float) -> tuple[Stretch, Stretch]:
-        """Every second block, and the others."""
+        """Every second block, and the others; of postures, whose time is their number, every second one."""
         even = np.floor(self.time / block_s).astype(int) % 2 == 0
         return self.using(even), self.using(~even)
 

@@ -159,8 +159,11 @@ def _opened(path: Path, file: str, layout: TextLayout | None) -> tuple[Table, Te
         (fault, *others) = bad.faults
         if fault.rule == "not_utf8" and layout.encoding == TextLayout().encoding:
             opened = [each for each in _in_other_encodings(path, file, layout) if _understood(each[0])]
-            if opened:
-                return max(opened, key=lambda each: _understood(each[0]))
+            best = max(opened, key=lambda each: _understood(each[0]), default=None)
+            if best and (
+                not fault.row or "".join(best[0].names).isascii()
+            ):  # or its names were right: one byte is wrong
+                return best
         if others or not layout.from_the_head or fault.value is None or fault.rule not in ("no_header", "lines_before"):
             raise
         before = fault.rule == "lines_before"
