@@ -11,7 +11,7 @@ from exogauge.payload.tables import CHANNELS, STATES, WAYS
 from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.report.summary_content import LABEL
 from exogauge.studies.report.summary_page import SCALES, render_html
-from exogauge.studies.report.summary_pdf import render_pdf
+from exogauge.studies.report.summary_pdf import Sheet, lay_out
 from exogauge.studies.results.configuration import says_synthetic
 from exogauge.studies.words.rounding import between, significant, with_std
 
@@ -30,10 +30,13 @@ def write_report(found: PayloadResults, out: Path) -> Path:
     report = out / "report.html"
     report.write_text(render_html(_page(found, whole=True), 1.0, "payload"), encoding="utf-8")
     page = _page(found, whole=False)
-    sheets = ((scale, *render_pdf(page, scale)) for scale in SCALES)
-    scale, pdf, _ = next((sheet for sheet in sheets if sheet[2]), (SCALES[-1], *render_pdf(page, SCALES[-1])))
-    (out / "summary.pdf").write_bytes(pdf)
-    (out / "summary.html").write_text(render_html(page, scale), encoding="utf-8")
+    tried = list[Sheet]()
+    while not (tried and tried[-1].fits) and len(tried) < len(SCALES):
+        tried.append(lay_out(page, SCALES[len(tried)]))
+    (out / "summary.pdf").write_bytes(tried[-1].bytes())
+    (out / "summary.html").write_text(render_html(page, tried[-1].scale), encoding="utf-8")
+    for each in tried:
+        each.put_away()
     return report
 
 
