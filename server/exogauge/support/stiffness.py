@@ -39,6 +39,7 @@ from exogauge.support.band_model import (
     at_bounds,
     fit,
     lowest,
+    residual,
     thinned,
 )
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
@@ -89,7 +90,7 @@ class Springs:
 
     @cached_property
     def _profiles(self) -> Profiles:
-        return Profiles(self.seen.setting, self.seen.fitted, self.doubt)
+        return Profiles(self.seen, self.doubt)
 
     def _by_slopes(self, k: int) -> tuple[Estimate, Estimate]:
         wear = self.seen.fitted.wear
@@ -367,12 +368,19 @@ class Profiles:
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
-    infinite.
+    infinite. Where another fit is not surely contradicted, the interval holds that one's too.
     """
 
-    setting: Setting
-    fitted: Fitted
+    seen: BandFit
     covariance: Array
+
+    @property
+    def setting(self) -> Setting:
+        return self.seen.setting
+
+    @property
+    def fitted(self) -> Fitted:
+        return self.seen.fitted
 
     def interval(self, index: int, relative_to: float) -> tuple[float, float]:
         """(low, high) of one value. relative_to: its size; with a std of less than a small share of it no doubt is
@@ -383,7 +391,8 @@ class Profiles:
         if std < SKEWED * relative_to:
             return value - Z95 * std, value + Z95 * std
         if index not in self._found:
-            self._found[index] = self._walked(index, value, std)
+            ends = [self._walked(index), *(rival._walked(index, alone=True) for rival in self._rivals)]
+            self._found[index] = min(low for low, _ in ends), max(high for _, high in ends)
         return self._found[index]
 
     def of_band(self, k: int, stretch: float) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -413,14 +422,49 @@ class Profiles:
         begin = starts(layout, few.wires[: len(layout.natural_length)], coarse.wear.effects)
         return downhill(few, [replace(coarse.wear, springs=each.springs) for each in begin])
 
-    def _walked(self, index: int, value: float, std: float) -> tuple[float, float]:
+    @cached_property
+    def _rivals(self) -> list[Profiles]:
+        """Fits that end elsewhere and are not surely worse, each with a doubt of its own. Declared errors bend both, so
+        that costs that differ by them say little: it is the likelihood along what the two say differently."""
+        found, few = [self], self._coarse[1].wear
+        for each in self._elsewhere:
+            if np.allclose(each.wear.springs, few.springs, rtol=SKEWED):
+                continue
+            fitted = fit(self.setting, each.wear)
+            if any(np.allclose(fitted.wear.springs, one.fitted.wear.springs, rtol=SKEWED) for one in found):
+                continue
+            other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted))
+            if self._against(fitted) ** 2 - other._against(self.fitted) ** 2 <= Z95**2:
+                found.append(other)
+        return found[1:]
+
+    def _against(self, other: Fitted) -> float:
+        """Standard deviations by which the data speak against another fit and for this one: what that one leaves, along
+        the difference of what both say, beside what its own springs could follow."""
+        setting, weight, A = self.setting, self.setting.weight, other.A
+        left, ours = (residual(setting.logs, setting.wires, each.wear) for each in (other, self.fitted))
+        apart = left - ours
+        size = 1.0 / np.sqrt(np.maximum(np.diag(other.hessian), 1e-300))
+        inverse = np.linalg.pinv(other.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
+        apart = apart - A @ (
+            inverse @ (np.einsum("ndp,nd,nd->p", A, weight, setting.offsets.without(apart)) * size) * size
+        )
+        columns = np.concatenate([A, apart[:, :, None]], axis=2)
+        scores = replace(other, A=columns, hessian=np.eye(columns.shape[2]))  # whose covariance is that of the scores
+        variance = float(replace(self.seen, null=None).covariance(scores)[-1, -1])
+        return float(np.einsum("nd,nd,nd->", apart, weight, other.e) / np.sqrt(max(variance, 1e-300)))
+
+    def _walked(self, index: int, alone: bool = False) -> tuple[float, float]:
+        """alone: from this fit, whatever others there are."""
+        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
         few, coarse = self._coarse
         reach = 12.0  # standard deviations within which the ends of a profile are sought
         size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
         shift = value - float(coarse.wear.springs[index])
-        also = [each.wear for each in self._elsewhere if share * (each.cost - coarse.cost) <= Z95**2]
+        elsewhere = [] if alone else self._elsewhere
+        also = [each.wear for each in elsewhere if share * (each.cost - coarse.cost) <= Z95**2]
         reached = {float(wear.springs[index]) + shift: wear for wear in also} | {value: coarse.wear}
         first, last = min(reached), max(reached)
 
@@ -437,8 +481,8 @@ class Profiles:
 
         low, high = value - Z95 * std, value + Z95 * std
         straight = 0.2 * Z95**2  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
-        alone = low <= first and last <= high
-        if alone and low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
+        narrow = low <= first and last <= high
+        if narrow and low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
             return low, high
         return (
             _crossing(excess, first, -Z95 * std, max(SHORTEST, first - reach * std)) or 0.0,
