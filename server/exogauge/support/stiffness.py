@@ -391,7 +391,10 @@ class Profiles:
         if std < SKEWED * relative_to:
             return value - Z95 * std, value + Z95 * std
         if index not in self._found:
-            ends = [self._walked(index), *(rival._walked(index, alone=True) for rival in self._rivals)]
+            ends = [self._walked(index)]
+            for rival, worse in self._rivals:
+                if self._share(index) * (rival.fitted.cost - self.fitted.cost) > Z95**2:  # or it is among these ends
+                    ends.append(rival._walked(index, Z95**2 - worse))
             self._found[index] = min(low for low, _ in ends), max(high for _, high in ends)
         return self._found[index]
 
@@ -423,19 +426,20 @@ class Profiles:
         return downhill(few, [replace(coarse.wear, springs=each.springs) for each in begin])
 
     @cached_property
-    def _rivals(self) -> list[Profiles]:
-        """Fits that end elsewhere and are not surely worse, each with a doubt of its own. Declared errors bend both, so
-        that costs that differ by them say little: it is the likelihood along what the two say differently."""
-        found, few = [self], self._coarse[1].wear
+    def _rivals(self) -> list[tuple[Profiles, float]]:
+        """Fits that end elsewhere and are not surely worse, each with a doubt of its own, and by how much they are:
+        twice the logarithm of the likelihood along what the two say differently. Declared errors bend both, so that
+        costs that differ by them say little."""
+        found, few = [(self, 0.0)], self._coarse[1].wear
         for each in self._elsewhere:
             if np.allclose(each.wear.springs, few.springs, rtol=SKEWED):
                 continue
             fitted = fit(self.setting, each.wear)
-            if any(np.allclose(fitted.wear.springs, one.fitted.wear.springs, rtol=SKEWED) for one in found):
+            if any(np.allclose(fitted.wear.springs, one.fitted.wear.springs, rtol=SKEWED) for one, _ in found):
                 continue
             other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted))
-            if self._against(fitted) ** 2 - other._against(self.fitted) ** 2 <= Z95**2:
-                found.append(other)
+            worse = max(self._against(fitted) ** 2 - other._against(self.fitted) ** 2, 0.0)
+            found += [(other, worse)] if worse < Z95**2 else []
         return found[1:]
 
     def _against(self, other: Fitted) -> float:
@@ -454,17 +458,24 @@ class Profiles:
         variance = float(replace(self.seen, null=None).covariance(scores)[-1, -1])
         return float(np.einsum("nd,nd,nd->", apart, weight, other.e) / np.sqrt(max(variance, 1e-300)))
 
-    def _walked(self, index: int, alone: bool = False) -> tuple[float, float]:
-        """alone: from this fit, whatever others there are."""
-        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
-        few, coarse = self._coarse
-        reach = 12.0  # standard deviations within which the ends of a profile are sought
+    def _share(self, index: int) -> float:
+        """Of what the curvature tells of a value, what is really told."""
+        _, coarse = self._coarse
         size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
-        share = float(curvature[index, index]) * size[index] ** 2 / std**2
+        return float(curvature[index, index] * size[index] ** 2 / max(float(self.covariance[index, index]), 1e-300))
+
+    def _walked(self, index: int, level: float | None = None) -> tuple[float, float]:
+        """level: from this fit alone, whatever others there are, to where it is so much worse."""
+        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
+        if not std > 0.0:  # the band pulls nowhere in this fit
+            return 0.0, np.inf
+        few, coarse = self._coarse
+        reach = 12.0  # standard deviations within which the ends of a profile are sought
+        elsewhere, level = (self._elsewhere, Z95**2) if level is None else ([], level)
+        share, half = self._share(index), np.sqrt(level) * std
         shift = value - float(coarse.wear.springs[index])
-        elsewhere = [] if alone else self._elsewhere
-        also = [each.wear for each in elsewhere if share * (each.cost - coarse.cost) <= Z95**2]
+        also = [each.wear for each in elsewhere if share * (each.cost - coarse.cost) <= level]
         reached = {float(wear.springs[index]) + shift: wear for wear in also} | {value: coarse.wear}
         first, last = min(reached), max(reached)
 
@@ -477,16 +488,16 @@ class Profiles:
             at = {index: max(candidate - shift, SHORTEST)}
             held = min((lowest(few, start, at) for start in starts), key=lambda reached: reached.cost)
             reached[candidate] = held.wear
-            return float(share * (held.cost - coarse.cost) - Z95**2)
+            return float(share * (held.cost - coarse.cost) - level)
 
-        low, high = value - Z95 * std, value + Z95 * std
-        straight = 0.2 * Z95**2  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
+        low, high = value - half, value + half
+        straight = 0.2 * level  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
         narrow = low <= first and last <= high
         if narrow and low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
             return low, high
         return (
-            _crossing(excess, first, -Z95 * std, max(SHORTEST, first - reach * std)) or 0.0,
-            _crossing(excess, last, Z95 * std, last + reach * std) or np.inf,
+            _crossing(excess, first, -half, max(SHORTEST, first - reach * std)) or 0.0,
+            _crossing(excess, last, half, last + reach * std) or np.inf,
         )
 
 
