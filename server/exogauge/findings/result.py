@@ -203,14 +203,14 @@ class Link:
 @dataclass(frozen=True)
 class Concentration:
     """Where most of an error sits: in a few moments, (log, [s]); or where a coordinate is above or below `at` [unit];
-    else throughout. log: the one in which it is most, if any: its RMSE is `times` that of all."""
+    else throughout. logs: those in which it is most, if any, the RMSE of the first `times` that of all."""
 
     moments: tuple[tuple[str, float], ...] = ()
     coordinate: Coordinate | None = None
     above: bool = False
     at: float = float("nan")
     unit: str = ""
-    log: str = ""
+    logs: tuple[str, ...] = ()
     times: float = float("nan")
 
 

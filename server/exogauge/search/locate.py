@@ -123,7 +123,7 @@ def _where(
     criteria: Criteria,
 ) -> Concentration:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
-    positions, in which it is largest, and the one of `every` log in which it is."""
+    positions, in which it is largest, and those of `every` log in which it is."""
     known = [each for each in shown if kind in each.residual]
     moments = _moments(known, kind, criteria)
     if moments:
@@ -152,17 +152,19 @@ def _where(
         for above, at, part in ((False, low, values <= low), (True, high, values >= high)):
             if part.any() and square[part].mean() / square.mean() > best:
                 best, found = float(square[part].mean() / square.mean()), Concentration((), name, above, at, unit)
-    log, times = _most_of_all(every, kind)
-    return replace(found, log=log, times=float(np.sqrt(times))) if times > criteria.search.part else found
+    logs, times = _most_of_all(every, kind, criteria.search.part)
+    return replace(found, logs=logs, times=times) if logs else found
 
 
-def _most_of_all(residuals: Sequence[LogResiduals], kind: int) -> tuple[str, float]:
-    """The log whose mean square error is the largest, and how many times that of all logs it is."""
+def _most_of_all(residuals: Sequence[LogResiduals], kind: int, part: float) -> tuple[tuple[str, ...], float]:
+    """Logs whose mean square error is `part` times that of all together, largest first, and how many times its root is
+    in the first."""
     e = {each.log: each.residual[kind] for each in residuals if kind in each.residual}
     squares = {log: own[np.isfinite(own)] ** 2 for log, own in e.items()}
-    means = {log: float(own.mean()) for log, own in squares.items() if own.size}
-    log = max(means, key=lambda each: means[each])
-    return log, means[log] / float(np.concatenate(list(squares.values())).mean())
+    every = float(np.concatenate(list(squares.values())).mean())
+    means = {log: float(own.mean()) / every for log, own in squares.items() if own.size}
+    logs = sorted((log for log, mean in means.items() if mean > part), key=lambda log: -means[log])
+    return tuple(logs), float(np.sqrt(means[logs[0]])) if logs else 1.0
 
 
 def _moments(residuals: Sequence[LogResiduals], kind: int, criteria: Criteria) -> tuple[tuple[str, float], ...]:

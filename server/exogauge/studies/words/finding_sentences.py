@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -72,12 +72,18 @@ def where_words(excess: Excess) -> str:
     if where.moments:
         moments = [f"{told(at, '.0f', 's')} of {log}" for log, at in where.moments]
         return f"in a few moments: at {', '.join(moments)}"
-    most = f"most in {where.log}, {told(where.times, '.2g')} times what it is in all logs" if where.log else ""
+    most = (
+        f"most in {_listed(where.logs)}, up to {told(where.times, '.2g')} times what it is in all" if where.logs else ""
+    )
     if where.coordinate is None:
         return most or ("with the wear on" if excess.channel.startswith("support.") else "throughout")
     over = "time since the start" if where.coordinate == "time" else where.coordinate
     at = f"at a {over} {'above' if where.above else 'below'} {told(where.at, '.3g', where.unit)}"
     return f"{at}; {most}" if most else at
+
+
+def _listed(logs: Sequence[str]) -> str:
+    return ", ".join(logs) if len(logs) < 4 else f"{', '.join(logs[:2])} and {len(logs) - 2} more logs"
 
 
 def consequence_words(found: Consequence) -> str:
