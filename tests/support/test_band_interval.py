@@ -12,10 +12,10 @@ from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
 from exogauge.criteria.criterion import Z95
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.support.band_fit import BandFit, downhill, starts
+from exogauge.support.band_interval import Profiles
 from exogauge.support.band_model import at, shared
 from exogauge.support.band_model import fit as lowered
 from exogauge.support.band_rows import WearLogs
-from exogauge.support.stiffness import Profiles
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
 PLAN = shared((Band("back", "back", NOWHERE),))

@@ -67,10 +67,16 @@ def contributions(
         n = _null_score(setting, fitted, null, joint_weight)
         found[NULL_TEST] = np.outer(n, n)
     found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
-    size = 1.0 / np.sqrt(np.maximum(np.diag(fitted.hessian), 1e-300))
-    inverse = np.linalg.pinv(fitted.hessian * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
+    inverse = inverted(fitted.hessian)
     live = {name: meat for name, meat in found.items() if meat.any()} or {SCATTER: found[SCATTER]}
     return {name: np.asarray(inverse @ meat @ inverse) for name, meat in live.items()}
+
+
+def inverted(hessian: Array) -> Array:
+    """(P, P) of a curvature in values of any size; nothing in directions of which it holds nothing."""
+    size = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    inverse = np.linalg.pinv(hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
+    return np.asarray(inverse * np.outer(size, size))
 
 
 def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
