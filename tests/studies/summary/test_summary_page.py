@@ -16,7 +16,7 @@ from exogauge.studies.report.page_model import Page, Table
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_figure import units_of
 from exogauge.studies.report.summary_page import SCALES, SummaryPage, summary_page
-from exogauge.studies.report.summary_pdf import Sheet, lay_out, render_pdf
+from exogauge.studies.report.summary_pdf import Sheet, lay_out
 from exogauge.studies.report.summary_text import DETAIL, summary_text
 
 Evaluated = Callable[..., dict[str, Any]]
@@ -289,8 +289,10 @@ def test_a_page_that_fits_is_laid_out_once_and_of_several_the_largest_that_fits_
     laid.clear()
     page = summary_page(renamed(content, "a joint whose name is long " * 8))
     assert len(laid) > 1
-    found = [render_pdf(page.content, scale) for scale in SCALES]
-    assert page.pdf == next((pdf for pdf, fits in found if fits), found[-1][0])
+    found = [lay_out(page.content, scale) for scale in SCALES]
+    assert page.pdf == next((sheet for sheet in found if sheet.fits), found[-1]).bytes()
+    for sheet in found:
+        sheet.put_away()
 
 
 def test_a_joint_that_slides_is_told_in_newtons(content: dict[str, Any]) -> None:

@@ -38,14 +38,9 @@ COLOURS = {
 NO_DAY = datetime(1970, 1, 1, tzinfo=UTC)
 
 
-def render_pdf(page: Page, scale: float) -> tuple[bytes, bool]:
-    """The document, always of one sheet, and whether all of the page found room on it at this scale of letters."""
-    sheet = lay_out(page, scale)
-    return sheet.bytes(), sheet.fits
-
-
 def lay_out(page: Page, scale: float) -> Sheet:
-    """The same before it is a document, which costs as much again: its `fits` and its `bytes()`."""
+    """One sheet at this scale of letters: whether all found room, `fits`, and the document, `bytes()`, which costs as
+    much again."""
     sheet = Sheet(scale)
     sheet.fits = sheet.page(page) <= BOTTOM
     return sheet
