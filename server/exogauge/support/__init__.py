@@ -5,7 +5,7 @@
 - `coloured`, `drift`, `zeros`: errors that last, what motors gave and feet read in every log of a session
 - `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their
   doubt, the best
-- `band_rows`, `band_model`, `band_offsets`, `band_weights`, `band_fit`: bands fitted to supporting torques
+- `band_rows`, `band_model`, `band_nuisances`, `band_weights`, `band_fit`: bands fitted to supporting torques
 - `band_inputs`, `band_doubt`, `band_interval`, `stiffness`, `cross_checks`: what their springs are, how sure, and
   whether that agrees
 - `evaluate`, `result`: the recipe and its answer

@@ -13,7 +13,6 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
-from exogauge.support.band_offsets import Offsets
 from exogauge.support.band_rows import WearLogs
 from exogauge.support.coloured import by_autocovariance
 
@@ -23,11 +22,9 @@ IntArray = NDArray[np.intp]
 SCATTER, NULL_TEST, TORQUE_ZERO = "scatter", "null_test", "torque_zero"
 
 
-def covariance(
-    setting: Setting, fitted: Fitted, robot: Array, null: WearLogs | None = None, joint_weight: Array | None = None
-) -> Array:
+def covariance(setting: Setting, fitted: Fitted, robot: Array, null: Setting | None = None) -> Array:
     """(P, P) of theta about the truth: the sum of all `contributions`."""
-    found = contributions(setting, fitted, {ROBOT: robot}, null, joint_weight)
+    found = contributions(setting, fitted, {ROBOT: robot}, null)
     return np.asarray(sum(found.values(), np.zeros_like(fitted.hessian)))
 
 
@@ -35,8 +32,7 @@ def contributions(
     setting: Setting,
     fitted: Fitted,
     robot: Mapping[str, Array],
-    null: WearLogs | None = None,
-    joint_weight: Array | None = None,
+    null: Setting | None = None,
 ) -> dict[str, Array]:
     """Name of a source -> (P, P) of theta about the truth: H⁻¹ M H⁻¹, with H the curvature, M of what follows; where
     nothing pulls anywhere `scatter` alone, which is none.
@@ -45,14 +41,14 @@ def contributions(
     robot: G C Gᵀ, C: covariance of the robot's parameters and of what all logs share (`RobotModel.doubt`), or its parts
     by name; G: how the score moves with them;
     kt_drift, ft_zero: what each log's motors and sensors alone do to it;
-    null_test: n nᵀ, n: the score that the approach finds on logs without the device, `null`, where it ought to be zero:
-    what the model lacks there it lacks with the device too (A takes off what repeats). joint_weight: (D,) what a sample
-    of those counts;
+    null_test: n nᵀ, n: the score that the approach finds on logs without the device, `null`, where it ought to be zero,
+    beside what is declared and fitted: what the model lacks there it lacks with the device too (A takes off what
+    repeats);
     via_points, donning: how the device sits (`band_inputs`);
     torque_zero: what is left of each log's and joint's own offset. What the others do to the score goes through the
-    same slopes, w (A - γ mean(A)): of the feet's zeros what looks like such an offset is taken off as well.
+    same slopes, w A⊥ (`Nuisances`): of what is fitted beside the bands what the fit has not followed is left.
     """
-    fitted = replace(fitted, A=setting.offsets.without(fitted.A))
+    fitted = replace(fitted, A=setting.nuisances.without(fitted.A))
     weighted, S = fitted.A * setting.weight[:, :, None], len(setting.belief.mean)
     found = {SCATTER: score_covariance(setting.logs, fitted.e, weighted)}
     found[SCATTER][:S, :S] += setting.belief.precision
@@ -62,9 +58,9 @@ def contributions(
     for name, own in of_each_log.items():
         found[name] = found.get(name, np.zeros_like(own)) + own
     if setting.logs.zero_std.any():
-        found[TORQUE_ZERO] = setting.offsets.score(weighted)
-    if null is not None and joint_weight is not None:
-        n = _null_score(setting, fitted, null, joint_weight)
+        found[TORQUE_ZERO] = setting.nuisances.score_of_offsets(weighted)
+    if null is not None:
+        n = _null_score(null, fitted)
         found[NULL_TEST] = np.outer(n, n)
     found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
     inverse = inverted(fitted.hessian)
@@ -141,11 +137,10 @@ def _through(g: NDArray[np.float32], slope: NDArray[np.float32]) -> Array:
     return np.asarray((g.T @ slope.reshape(len(g), -1)).astype(np.float64))
 
 
-def _null_score(setting: Setting, fitted: Fitted, null: WearLogs, joint_weight: Array) -> Array:
-    """(P,) Σ Aᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
-    A = columns(null, [null.wire(wire.course) for wire in setting.wires], fitted.wear)
-    own = null.used * joint_weight
-    return np.asarray(np.einsum("ndp,nd,nd->p", A, null.share[:, None] * own, Offsets(null, own).without(null.torque)))
+def _null_score(null: Setting, fitted: Fitted) -> Array:
+    """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
+    A, weight = columns(null.logs, null.wires, fitted.wear), null.logs.share[:, None] * null.weight
+    return np.asarray(np.einsum("ndp,nd,nd->p", A, weight, null.nuisances.without(null.logs.torque)))
 
 
 def _larger(first: Array, second: Array) -> Array:

@@ -18,7 +18,7 @@ from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import covariance
-from exogauge.support.band_inputs import torque_of_inputs
+from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import (
     NULL,
     SHORTEST,
@@ -30,6 +30,7 @@ from exogauge.support.band_model import (
     Setting,
     Wear,
     at,
+    columns,
     declared_laws,
     fit,
     lowest,
@@ -37,11 +38,10 @@ from exogauge.support.band_model import (
     thinned,
 )
 from exogauge.support.band_rows import WearLogs, Wire
-from exogauge.support.band_weights import spread, weights
+from exogauge.support.band_weights import memories, spread, weights
 
 Array = NDArray[np.float64]
 
-WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 STARTS = (0.0, 0.3, 0.6)  # share of a band's travel at which it comes taut, where the search begins
 USUAL_STIFFNESS = 100.0  # [N/m] where the search begins if the samples call for none
 SHARE = 0.2  # of a unit direction: a value with more is part of it
@@ -50,18 +50,17 @@ SHARE = 0.2  # of a unit direction: a value with more is part of it
 @final
 @dataclass(frozen=True)
 class BandFit:
-    """What the samples say. robot: covariance of its parameters. null: logs without the device as if it were on;
-    joint_weight: (D,) what a sample of those counts. joints of the setting: those of the result come first."""
+    """What the samples say. robot: covariance of its parameters. null: logs without the device as if it were on. joints
+    of the setting: those of the result come first."""
 
     robot: Array
-    null: WearLogs | None
+    null: Setting | None
     setting: Setting
     fitted: Fitted
-    joint_weight: Array
 
     def covariance(self, fitted: Fitted) -> Array:
         """(P, P) of theta about the truth."""
-        return covariance(self.setting, fitted, self.robot, self.null, self.joint_weight)
+        return covariance(self.setting, fitted, self.robot, self.null)
 
 
 @final
@@ -115,21 +114,30 @@ def _weighed_fit(
     belief: Belief,
     begin: Sequence[Wear],
 ) -> BandFit:
-    """A joint counts by what the bands leave on it, at least by what is there without a device, and by what nobody
-    measured exactly of how they sit: a fit bends to that, so that little of it is left. The best of several starts,
-    refined on all samples."""
-    lasting = np.ones(len(sigma))
-
-    def weighed(left: Array) -> Setting:
-        return Setting(logs, wires, *weights(logs, left, lasting), belief)
-
-    left, setting = sigma, weighed(sigma)
+    """A joint counts by what is left on it, at least by what is there without a device, and by how long that lasts.
+    What is declared is fitted beside the springs as soon as there are some: a fit without it bends to it. The best of
+    several starts, refined on all samples."""
+    setting = Setting(logs, wires, *weights(logs, sigma, np.ones(len(sigma))), belief)
     fitted = fit(setting, best_start(setting, begin))
-    for _ in range(WEIGHINGS - 1):
-        left = np.hypot(spread(logs, fitted.e, sigma), torque_of_inputs(setting, fitted))
-        setting = weighed(left)
-        fitted = fit(setting, fitted.wear)
-    return BandFit(robot, null, setting, fitted, left**-2)
+    for others in (begin, ()):  # the best of several without what is declared may not be the best with it
+        left, memory = spread(logs, fitted.e, sigma), memories(logs, fitted.e)
+        weight, independent = weights(logs, left, memory)
+        setting = replace(setting, weight=weight, independent=independent)
+        setting = replace(setting, added=nuisance_torques(setting, fitted))
+        fitted = fit(setting, best_start(setting, [fitted.wear, *others]))
+    return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted)
+
+
+def null_test(logs: WearLogs | None, setting: Setting, fitted: Fitted, counts: Array) -> Setting | None:
+    """Logs without the device as if it were on, with what is fitted beside the bands there. counts: (D,) [1/(N·m)²] a
+    sample."""
+    if logs is None:
+        return None
+    wires, weight = tuple(logs.wire(wire.course) for wire in setting.wires), logs.used * counts
+    null = Setting(logs, wires, weight, setting.independent, setting.belief)
+    if setting.added is None:
+        return null
+    return replace(null, added=nuisance_torques(null, replace(fitted, A=columns(logs, wires, fitted.wear))))
 
 
 def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:
@@ -173,13 +181,14 @@ def _beside_beliefs(seen: BandFit) -> BandFit:
     S = len(seen.setting.belief.mean)
     nothing = replace(seen.setting, belief=Belief(seen.setting.belief.mean, np.zeros((S, S))))
     alone = at(nothing, seen.fitted.wear)
-    doubt = covariance(nothing, alone, seen.robot, seen.null, seen.joint_weight)
+    doubt = covariance(nothing, alone, seen.robot, seen.null)
     size = 1.0 / np.sqrt(np.maximum(np.diag(alone.hessian), 1e-300))
     known = int(np.sum(np.linalg.eigvalsh(alone.hessian * np.outer(size, size)) > NULL * len(size)))
     overstated = float(max(1.0, np.trace(alone.hessian @ doubt) / max(known, 1)))
     setting = replace(seen.setting, weight=seen.setting.weight / overstated)
     fitted = fit(setting, seen.fitted.wear)
-    return replace(seen, setting=setting, fitted=fitted, joint_weight=seen.joint_weight / overstated)
+    null = None if seen.null is None else replace(seen.null, weight=seen.null.weight / overstated)
+    return replace(seen, setting=setting, fitted=fitted, null=null)
 
 
 def _inseparable(plan: Layout, fitted: Fitted, device: Device, tied: frozenset[str]) -> str | None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
+from exogauge.identification.disturbances import ZERO
 from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
-from exogauge.support.band_rows import Wire, taut
+from exogauge.support.band_rows import WearLog, Wire, between, taut
 from exogauge.support.evidence import on_joints
 
 Array = NDArray[np.float64]
@@ -33,11 +35,21 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
 
 
-def torque_of_inputs(setting: Setting, fitted: Fitted) -> Array:
-    """(D,) [N·m] RMS, where samples count, of what one standard deviation of all these inputs together adds."""
+def nuisance_torques(setting: Setting, fitted: Fitted) -> Array | None:
+    """(N, D, m) [N·m] per standard deviation of what is fitted beside the bands: how the device sits, and zeros of the
+    feet's sensors. What the samples tell next to nothing of is left to the doubt.
+
+    No gain: it would make less of all that was measured, of noise and pull alike, and be found wherever there is noise.
+    """
+    least_told = 0.01  # of what is declared of a direction
     few = BandInputs(setting, fitted)
-    squares = sum((np.where(few.used, torque, 0.0) ** 2 for _, torque in few.torques()), np.zeros(few.used.shape))
-    return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(few.used.sum(axis=0), 1)))
+    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet()]
+    if not found:
+        return None
+    V = np.stack(found, axis=2)
+    flat = (V * np.sqrt(few.weight)[:, :, None]).reshape(-1, V.shape[2])
+    told, directions = np.linalg.eigh(flat.T @ flat)
+    return few.everywhere(V @ directions[:, told > least_told])
 
 
 @final
@@ -46,7 +58,7 @@ class BandInputs:
 
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
         step = max(1, len(setting.weight) // SEARCHED)
-        logs = setting.logs
+        logs = self._logs = setting.logs
         self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
@@ -70,6 +82,36 @@ class BandInputs:
                 yield from ((VIA_POINTS, band.point_std * each) for each in self._moved_points(wire, band, place))
             if band.donning_std > 0.0:
                 yield from ((DONNING, band.donning_std * each) for each in self._other_lengths(wire, place))
+
+    def zeros_of_feet(self) -> Iterator[Array]:
+        """(n, D) [N·m] that one standard deviation of each zero adds: of the session's course, or of each log's own, of
+        which a share is alike in all."""
+        parts = {place: each for place, each in enumerate(self._logs.logs) if ZERO in each.own or ZERO in each.session}
+        for place, log in parts.items():
+            if ZERO in log.own:
+                yield from self._of_logs({place: log}, np.sqrt(1.0 - DECLARED.alike))
+        yield from self._of_logs(parts, np.sqrt(DECLARED.alike))
+
+    def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
+        """(n, D) of each zero that these logs have in common. share: of a log's own."""
+        columns: Array | None = None
+        for place, log in logs.items():
+            whole = log.session[ZERO] if ZERO in log.session else np.float32(share) * log.own[ZERO]
+            rows = self._log == place
+            own = log.of_slopes(whole, self._chosen[rows] - self._logs.spans[place].start)
+            if columns is None:
+                columns = np.zeros((*self.used.shape, own.shape[2]))
+            columns[rows, : own.shape[1]] = own
+        yield from () if columns is None else np.moveaxis(columns, 2, 0)
+
+    def everywhere(self, values: Array) -> Array:
+        """(N, D, …) of (n, D, …), along straight lines."""
+        out = np.empty((len(self._logs.log), *values.shape[1:]))
+        for place, span in enumerate(self._logs.spans):
+            rows = self._log == place
+            shares = between(self._chosen[rows] - span.start, span.stop - span.start)
+            out[span] = (shares.T @ values[rows].reshape(rows.sum(), -1)).reshape(-1, *values.shape[1:])
+        return out
 
     def _moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
         """(n, D) of each coordinate, per metre."""

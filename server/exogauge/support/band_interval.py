@@ -109,7 +109,7 @@ class Profiles:
         setting, weight, A = self.setting, self.setting.weight, other.A
         left, ours = (residual(setting.logs, setting.wires, each.wear) for each in (other, self.fitted))
         apart = left - ours
-        followed = np.einsum("ndp,nd,nd->p", A, weight, setting.offsets.without(apart))
+        followed = np.einsum("ndp,nd,nd->p", A, weight, setting.nuisances.without(apart))
         apart = apart - A @ (inverted(other.hessian) @ followed)
         columns = np.concatenate([A, apart[:, :, None]], axis=2)
         scores = replace(other, A=columns, hessian=np.eye(columns.shape[2]))  # whose covariance is that of the scores

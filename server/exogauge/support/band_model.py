@@ -22,7 +22,7 @@ from exogauge.devices.device import Band
 from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
-from exogauge.support.band_offsets import Offsets
+from exogauge.support.band_nuisances import Nuisances
 from exogauge.support.band_rows import WearLogs, Wire, stretches, stretches_and_taut
 
 Array = NDArray[np.float64]
@@ -184,17 +184,19 @@ def believed(bands: Sequence[Band], start: Wear, travel: Array, free: frozenset[
 @dataclass(frozen=True)
 class Setting:
     """What a fit is made in. weight: (N, D) 1/(σ² memory) where a sample counts, so that square sums count in units of
-    independent errors; independent: how many those are. wires: the declared bands first."""
+    independent errors; independent: how many those are. wires: the declared bands first. added: (N, D, m) [N·m] per
+    standard deviation of what is declared and fitted beside the bands (`Nuisances`)."""
 
     logs: WearLogs
     wires: tuple[Wire, ...]
     weight: Array
     independent: float
     belief: Belief
+    added: Array | None = None
 
     @cached_property
-    def offsets(self) -> Offsets:
-        return Offsets(self.logs, self.weight)
+    def nuisances(self) -> Nuisances:
+        return Nuisances(self.logs, self.weight, self.added)
 
 
 def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
@@ -203,14 +205,15 @@ def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
     logs = setting.logs.every(step)
     chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in setting.logs.spans])
     wires = tuple(wire.every(logs, step) for wire in setting.wires)
-    return replace(setting, logs=logs, wires=wires, weight=step * setting.weight[chosen])
+    added = None if setting.added is None else setting.added[chosen]
+    return replace(setting, logs=logs, wires=wires, weight=step * setting.weight[chosen], added=added)
 
 
 @final
 @dataclass(frozen=True)
 class Fitted:
-    """e: (N, D) [N·m] what the wear and the logs' offsets leave unexplained. A: (N, D, P) the wear's columns. hessian:
-    (P, P) with beliefs, offsets integrated out. cost: weighted square sum with what is paid for leaving beliefs."""
+    """e: (N, D) [N·m] what the wear and what is beside it leave unexplained. A: (N, D, P) the wear's columns. hessian:
+    (P, P) with beliefs, `Nuisances` integrated out. cost: weighted square sum with what is paid for leaving beliefs."""
 
     wear: Wear
     e: Array
@@ -255,6 +258,8 @@ def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None
         here, was = _with_slopes(setting, now), now.wear.theta
         g = np.einsum("ndp,nd,nd->p", here.A, setting.weight, here.e) - _pulled(setting.belief, was)
         step = _steps(here.hessian, g, free, low - was, high - was)
+        if g @ step(DAMPINGS[0]) <= SMALL * max(now.cost, SMALL):  # what is to be gained
+            break
         for damping in DAMPINGS:
             tried = _reached(setting, wear.at(np.clip(was + step(damping), low, high)))
             if tried.cost <= now.cost:
@@ -274,23 +279,16 @@ def at(setting: Setting, wear: Wear) -> Fitted:
 
 def _reached(setting: Setting, wear: Wear) -> Reached:
     off = wear.springs - setting.belief.mean
-    left, paid = setting.offsets.beside(residual(setting.logs, setting.wires, wear))
+    left, paid = setting.nuisances.beside(residual(setting.logs, setting.wires, wear))
     squares = np.sum(setting.weight * left**2) + off @ setting.belief.precision @ off
     return Reached(wear, left, float(squares + paid))
 
 
 def _with_slopes(setting: Setting, reached: Reached) -> Fitted:
     A = columns(setting.logs, setting.wires, reached.wear)
-    hessian, S = information(setting, A), len(reached.wear.springs)
+    hessian, S = setting.nuisances.information(A), len(reached.wear.springs)
     hessian[:S, :S] += setting.belief.precision
     return Fitted(reached.wear, reached.e, A, hessian, reached.cost)
-
-
-def information(setting: Setting, A: Array) -> Array:
-    """(P, P) of columns A (N, D, P), offsets integrated out."""
-    root = np.sqrt(setting.weight)[:, :, None]
-    flat = (setting.offsets.whitened(A) * root).reshape(-1, A.shape[2])
-    return np.asarray(flat.T @ flat)
 
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:

@@ -76,17 +76,24 @@ class WearLog:
         flat = self._between_slopes @ own.reshape(len(own), -1)
         return np.asarray(flat.reshape(m * joints, -1).astype(np.float32))
 
+    def of_slopes(self, columns: NDArray[np.float32], places: IntArray) -> Array:
+        """(k, D', K) between the sloped samples, at k places among the kept. columns: (m, D', K)."""
+        flat = self._between_slopes[:, places].T @ columns.reshape(len(columns), -1)
+        return np.asarray(flat.reshape(len(places), *columns.shape[1:]), dtype=np.float64)
+
     @cached_property
     def _between_slopes(self) -> scipy.sparse.csr_array:
-        """(m, n) share of each kept sample that each sloped one has in it."""
-        n, m = len(self.kept), len(self.sloped)
-        between = np.interp(np.arange(n), self.sloped, np.arange(m))
-        before = np.minimum(between.astype(np.intp), max(m - 2, 0))
-        after = np.minimum(before + 1, m - 1)
-        shares = np.concatenate([1.0 - (between - before), between - before])
-        return scipy.sparse.csr_array(
-            (shares, (np.concatenate([before, after]), np.tile(np.arange(n), 2))), shape=(m, n)
-        )
+        return between(self.sloped, len(self.kept))
+
+
+def between(places: IntArray, n: int) -> scipy.sparse.csr_array:
+    """(m, n) share of each of n samples that each of m in rising order has in it, along straight lines."""
+    m = len(places)
+    at = np.interp(np.arange(n), places, np.arange(m))
+    before = np.minimum(at.astype(np.intp), max(m - 2, 0))
+    after = np.minimum(before + 1, m - 1)
+    shares = np.concatenate([1.0 - (at - before), at - before])
+    return scipy.sparse.csr_array((shares, (np.concatenate([before, after]), np.tile(np.arange(n), 2))), shape=(m, n))
 
 
 @final
@@ -203,8 +210,9 @@ def rows_without(
         if beside is not None:
             pair = _joined(pair, beside[each.motion][place])
         share = worn.count(each.motion) / sum(other.motion == each.motion for other in nothings)
-        unknown, time, kept = np.zeros(0, dtype=np.intp), each.time - each.time[0], np.arange(len(each.time))
-        own = WearLog("", each.motion, time, each.posture, kept, *pair, unknown, None, share=share, zero_std=zero_std)
+        time, kept = each.time - each.time[0], np.arange(len(each.time))
+        own = WearLog("", each.motion, time, each.posture, kept, *pair, each.sloped, None, share=share,
+                      own=each.own, session=each.session, zero_std=zero_std)  # fmt: skip
         logs.append(own)
     return WearLogs(logs, joints, names) if logs else None
 

@@ -24,7 +24,7 @@ from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit
-from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own, information
+from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
 from exogauge.support.band_weights import rms
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ def within(
             found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
     known = slice(len(sigma))
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
-    slopes = seen.setting.offsets.without(seen.fitted.A)
+    slopes = seen.setting.nuisances.without(seen.fitted.A)
     for place, own in members.items():
         joint, most = _misfit(seen.setting.weight[:, known], slopes[:, known, place], excess)
         doubt = max(float(std[own[0]]), criteria.misfit_matters * float(wear.springs[place]))
@@ -155,9 +155,9 @@ class _Split:
         split, setting, size = self.split, self.seen.setting, self._size
         score = np.einsum("ndp,nd,nd->p", split.A, setting.weight, split.e)
         step = np.linalg.lstsq(split.hessian * np.outer(size, size), size * score, rcond=1e-12)[0] * size
-        explained = setting.offsets.without(split.A @ step)
+        explained = setting.nuisances.without(split.A @ step)
         let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
-        return step, contributions(setting, let_differ, self.robot, self.seen.null, self.seen.joint_weight)
+        return step, contributions(setting, let_differ, self.robot, self.seen.null)
 
 
 def _misfit(weight: Array, a: Array, excess: Array) -> tuple[int, float]:
@@ -173,7 +173,7 @@ def _null_of_fit(seen: BandFit) -> Array:
     """(P,) what the null test is in the doubt of each value."""
     nothing = np.zeros_like(seen.fitted.hessian)
     if seen.null is not None:
-        nothing = contributions(seen.setting, seen.fitted, {}, seen.null, seen.joint_weight).get("null_test", nothing)
+        nothing = contributions(seen.setting, seen.fitted, {}, seen.null).get("null_test", nothing)
     return np.asarray(np.sqrt(np.maximum(np.diag(nothing), 0.0)))
 
 
@@ -183,7 +183,7 @@ def _believing_nothing(setting: Setting) -> Setting:
 
 
 def _with_columns(setting: Setting, fitted: Fitted, A: Array) -> Fitted:
-    return replace(fitted, A=A, hessian=information(setting, A))
+    return replace(fitted, A=A, hessian=setting.nuisances.information(A))
 
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:

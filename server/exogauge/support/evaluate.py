@@ -25,7 +25,7 @@ from exogauge.support.band_weights import LEAST_SIGMA
 from exogauge.support.cross_checks import judged
 from exogauge.support.drift import find_drift
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
-from exogauge.support.inputs import Doubts
+from exogauge.support.inputs import Doubts, sloped_samples
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_drift, notes_on_logs, notes_on_zeros
 from exogauge.support.phases import phase_names
@@ -104,7 +104,7 @@ def gather_support(
         for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):
             progress(0.2 + 0.6 * len(evidences) / len(worn), Doing.COMPARING_WORN, pair.worn.log.name)
             evidences.append(evidence)
-        nothings += [_nothing(each, motion) for each in plains]
+        nothings += [_nothing(each, motion, known) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
     del balances
     give_back()
@@ -235,8 +235,9 @@ def _evidence(
     return gather(model, pair.worn, routing, replace(background, reference=reference), settings)
 
 
-def _nothing(plain: Plain, motion: str) -> Nothing:
+def _nothing(plain: Plain, motion: str, doubts: Doubts) -> Nothing:
     own, kept = plain.balance, plain.balance.prepared.kept
+    sloped = sloped_samples(own.prepared)
     return Nothing(
         motion,
         own.time[kept],
@@ -244,6 +245,8 @@ def _nothing(plain: Plain, motion: str) -> Nothing:
         own.torque[kept],
         own.torque_a_priori[kept],
         own.steady[kept],
+        np.searchsorted(kept, sloped),
+        *doubts.declared(own.prepared, sloped),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import final
 
@@ -21,7 +21,7 @@ from exogauge.support.at_rest import bridged, doubt_at_rest, scatter_at_rest
 from exogauge.support.balance import balance, prepare_worn
 from exogauge.support.difference import difference
 from exogauge.support.drift import Drift
-from exogauge.support.inputs import Doubts, Inputs, sloped_samples
+from exogauge.support.inputs import ByName, Doubts, Inputs, sloped_samples
 from exogauge.support.paired import paired
 from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability
@@ -98,7 +98,7 @@ class Evidence:
 @dataclass(frozen=True)
 class Nothing:
     """A log without the device, at its kept samples: (n,) time [s], (n, J) posture, (n, D) torques that ought to be
-    zero."""
+    zero. own, session: as of `Inputs`, at the places `sloped` among the kept samples."""
 
     motion: str
     time: Array
@@ -106,6 +106,9 @@ class Nothing:
     b: Array
     a_priori: Array
     steady: BoolArray
+    sloped: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    own: ByName = field(default_factory=dict)
+    session: ByName = field(default_factory=dict)
 
 
 @final

@@ -73,12 +73,16 @@ class Doubts:
         slope = np.zeros((len(samples), len(joints), model.equations.size + len(model.inputs.names)), dtype=np.float32)
         for place, each in slopes(model, prepared, samples, joints):
             slope[:, place] = each
-        found = of_this_log(model, prepared, samples, joints)
-        own = {name: each.astype(np.float32) for name, each in found.items() if each.any()}
+        return Inputs(slope, *self.declared(prepared, samples))
+
+    def declared(self, prepared: Prepared, samples: IntArray) -> tuple[ByName, ByName]:
+        """Those that are one log's own, and those of the session (`Inputs`)."""
         session = dict[str, NDArray[np.float32]]()
         for course in self.courses:
-            session |= course.doubt(model, prepared, samples, joints)
-        return Inputs(slope, {name: each for name, each in own.items() if name not in session}, session)
+            session |= course.doubt(self.model, prepared, samples, self.joints)
+        found = of_this_log(self.model, prepared, samples, self.joints)
+        own = {name: each.astype(np.float32) for name, each in found.items() if each.any() and name not in session}
+        return own, session
 
     def of_samples(self, inputs: Inputs, sloped: IntArray, samples: int) -> Array:
         """(T, D) [N²·m²] variance of each joint's torque, straight lines between the `sloped` samples."""

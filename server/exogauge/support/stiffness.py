@@ -161,7 +161,7 @@ def fit_springs(
     blind = {name for direction in seen.fitted.null_directions for name in involved(plan, direction)}
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
-    shares = contributions(seen.setting, seen.fitted, of_robot, seen.null, seen.joint_weight)
+    shares = contributions(seen.setting, seen.fitted, of_robot, seen.null)
     return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind | undecided(plan, shares)))
 
 

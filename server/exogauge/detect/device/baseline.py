@@ -14,7 +14,7 @@ from exogauge.devices.device import Device
 from exogauge.devices.result import Approach, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
-from exogauge.support.band_fit import USUAL_STIFFNESS, BandFit
+from exogauge.support.band_fit import USUAL_STIFFNESS, BandFit, null_test
 from exogauge.support.band_model import Fitted, Setting, Wear, believed, declared_laws, each_its_own, fit
 from exogauge.support.band_rows import WearLogs, band_wires, rows_with, rows_without
 from exogauge.support.band_weights import LEAST_SIGMA, memories, spread, weights
@@ -52,7 +52,8 @@ class Ground:
 
     @property
     def fit(self) -> BandFit:
-        return BandFit(self.model.doubt, self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))
+        null = null_test(self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))
+        return BandFit(self.model.doubt, null, self.setting, self.fitted)
 
     def deviations(self, fitted: Fitted) -> Array:
         """(P,) standard deviations."""

@@ -103,7 +103,7 @@ def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
         own = lowest(replace(setting, weight=weight), wear, held).wear
-        left = setting.offsets.without(residual(setting.logs, setting.wires, own))
+        left = setting.nuisances.without(residual(setting.logs, setting.wires, own))
         e[left_out] = left[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
 

@@ -38,7 +38,7 @@ class Scorer:
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
         self.setting, self.fitted = setting, fitted
         self._root = np.sqrt(setting.weight)
-        self._A = (setting.offsets.whitened(fitted.A) * self._root[:, :, None]).reshape(-1, fitted.A.shape[2])
+        self._A = (setting.nuisances.whitened(fitted.A) * self._root[:, :, None]).reshape(-1, fitted.A.shape[2])
         self._e = (fitted.e * self._root).ravel()
         self._H = fitted.hessian
         self._square = float(self._e @ self._e)
@@ -68,7 +68,7 @@ class Scorer:
     def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
         blind = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told
         pull = (X * self._root[:, :, None]).reshape(-1, X.shape[2]).T @ self._e  # e is without offsets already
-        X = self.setting.offsets.whitened(X)
+        X = self.setting.nuisances.whitened(X)
         X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
         own, cross = X.T @ X, self._A.T @ X
         if np.any(np.diag(own) <= 0.0):

@@ -11,7 +11,7 @@ from tests.band_problem import Motion, Way
 from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Fitted, Setting, at, fit, shared
-from exogauge.support.band_offsets import Offsets
+from exogauge.support.band_nuisances import Nuisances
 from exogauge.support.band_rows import WearLog, WearLogs
 
 NAMES = ["bend", "twist", "knee"]
@@ -85,10 +85,10 @@ def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_
     scale = np.sqrt(np.diag(H)[:P] * np.sum(setting.weight * e**2))
     np.testing.assert_allclose(ours / scale, score / scale, atol=1e-12)
     o = np.linalg.solve(H[P:, P:], g[P:])
-    np.testing.assert_allclose(Offsets(setting.logs, setting.weight).likeliest(e)[:, :2].ravel(), o, rtol=1e-11)
+    np.testing.assert_allclose(Nuisances(setting.logs, setting.weight).likeliest(e)[:, :2].ravel(), o, rtol=1e-11)
     cost = np.sum((e.ravel() * root - J[:, P:] @ o) ** 2) + np.sum(np.array(prior) * o**2)
     assert found.cost == pytest.approx(cost, rel=1e-12)
-    assert not Offsets(setting.logs, setting.weight).likeliest(e)[:, 2].any()
+    assert not Nuisances(setting.logs, setting.weight).likeliest(e)[:, 2].any()
 
 
 def test_zero_std_changes_no_bit():
