@@ -35,6 +35,14 @@ def test_health_tells_what_is_there(client: TestClient) -> None:
 
 
 @on_sqlite
+def test_no_route_is_made_a_second_time_for_an_app(client: TestClient, settings: Settings) -> None:
+    """To make all of them takes a tenth of a second, of the first request that a service answers."""
+    others = {id(route) for route in create_app(settings).routes}
+    assert len(others) > 100
+    assert {id(route) for route in client.app.routes if route.path != f"{V1}/openapi.json"} <= others
+
+
+@on_sqlite
 def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settings: Settings) -> None:
     app = create_app(settings.model_copy(update={"workers": 1}))
     with TestClient(app) as client:
