@@ -127,6 +127,7 @@ def test_a_server_refuses_a_schema_it_does_not_know(own_database_url: str, tmp_p
         create_app(settings)
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_every_operation_has_a_name_a_problem_and_where_it_posts_a_key(client: TestClient) -> None:
     document = client.get(f"{V1}/openapi.json").json()

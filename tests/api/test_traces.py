@@ -98,6 +98,7 @@ def test_a_request_and_its_job_are_spans_of_their_processes(tmp_path: Path) -> N
     assert not [each for each in spans if each.get("url.path") == "/healthz"]
 
 
+@pytest.mark.slow
 def test_a_collector_without_the_package_is_refused_with_what_to_install(tmp_path: Path) -> None:
     hidden = "import sys; sys.modules['opentelemetry.sdk'] = None; import exogauge.cli; sys.exit(exogauge.cli.main())"
     service = Service(tmp_path, "")

@@ -111,6 +111,7 @@ def test_forces_are_no_motion(captured, name) -> None:
     assert refused.value.faults[0].rule == "forces"
 
 
+@pytest.mark.slow
 def test_two_formats_of_one_bend_lean_alike(captured) -> None:
     """The BVH is a conversion to other bones, at half the rate."""
     skeleton = captured("cmu_mocap_bend_twist/02.asf")
@@ -133,6 +134,7 @@ def _inclination(motion) -> np.ndarray:
     return np.degrees(np.arccos(way[:, 2] / np.linalg.norm(way, axis=1)))
 
 
+@pytest.mark.slow
 def test_bones_keep_their_length_in_metres(captured) -> None:
     motion = open_motion(captured("cmu_mocap_bend_twist/13_29.amc"), skeleton=captured("cmu_mocap_bend_twist/02.asf"))
     tree = motion.tree

@@ -312,6 +312,7 @@ def test_an_mvnx_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> None
         assert column is None or fault.column == column
 
 
+@pytest.mark.slow
 def test_damaged_tables_never_end_in_a_traceback(tmp_path: Path) -> None:
     rng, faults = np.random.default_rng(7), list[Fault]()
     writers: dict[str, Callable[[], str]] = {name: lambda name=name: WRITERS[name](body(), LABELS) for name in WRITERS}  # type: ignore[misc]
