@@ -32,6 +32,14 @@ def test_feet_that_are_exchanged_are_named_and_nothing_else(robot: Robot, logs: 
     assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
 
 
+def test_feet_that_are_exchanged_are_named_where_they_bear_nearly_alike(robot: Robot) -> None:  # noqa: F811
+    """As in bends: what the trunk asks for goes into both feet alike, and is large beside what an exchange changes."""
+    logs = [record(seed, 0.0, 0.0, alike=True) for seed in (4, 5)]
+    assert said(robot, logs) == []
+    found = said(robot, [exchanged(each) for each in logs])
+    assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
+
+
 def test_feet_as_they_are_raise_no_doubt(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
     assert said(robot, logs) == []
 

@@ -102,22 +102,27 @@ class Late:
 
 
 def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | None:
-    """In all of the logs. None where the load does not go from one to another, so that no moment tells them apart."""
+    """In all of the logs. None where the load does not go from one to another, so that no moment tells them apart.
+
+    What is left is held against what an exchange changes: motions in which both feet bear alike say nothing of it.
+    """
     if not robot.tree.floating or len(robot.contacts) < 2 or not seen:
         return None
     criteria = seen[0].criteria
     asked, given = [_asked(robot, each) for each in seen], [_given(robot, each) for each in seen]
     swings = _rms(given)
     before = _rms([a - b for a, b in zip(asked, given, strict=True)])
-    if swings <= 0.0 or before < criteria.sides_before * swings:
+    if swings <= 0.0:
         return None
     found = []
     for pair in combinations(range(len(robot.contacts)), 2):
         tried = Exchanged(pair, before / swings, 0.0)
         other = [_given(robot, tried.undo(each)) for each in seen]
-        found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
-    best = min(found, key=lambda each: each.after)
-    return best if best.after < criteria.sides_falls * best.before else None
+        changed = _rms([a - b for a, b in zip(given, other, strict=True)])
+        if before >= criteria.sides_before * changed:
+            found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
+    best = min(found, key=lambda each: each.after, default=None)
+    return best if best and best.after < criteria.sides_falls * best.before else None
 
 
 def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
