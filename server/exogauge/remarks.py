@@ -52,6 +52,10 @@ class About(StrEnum):
     NO_RUN_AFTER = "no_run_after"  # motions
     DRIFT_FOUND = "drift_found"  # coefficient and joint; share that it changes by through the session, its doubt [%]
     ZEROS_FOUND = "zeros_found"  # components; how far the sum of feet moved by the end, its doubt [N, N·m]
+    LABELS_EXCHANGED = "labels_exchanged"  # logs that say with it and do not show it, and the reverse; -; device
+    DEVICE_ON = "device_on"  # logs that say without it; -; device
+    DEVICE_OFF = "device_off"  # logs that say with it; -; device
+    DEVICE_ON_WHERE_FITTED = "device_on_where_fitted"  # logs without it; -; device
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach

@@ -68,6 +68,7 @@ def test_under_an_upper_body_is_the_change_of_all_momentum(torso8, torso_model) 
         np.testing.assert_allclose(wrench[3:], -(moment + base), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_pedestal_does_not_weigh_on_the_sensor_above_it(torso8) -> None:
     beyond = links_beyond(torso8.links, "mount")
     assert "pedestal" not in beyond

@@ -53,6 +53,7 @@ def test_a_mass_that_others_hide_is_contradicted_by_less(arm6: Scene) -> None:
     assert 2.0 < told[swinging] < 4.0
 
 
+@pytest.mark.slow
 def test_robots_of_the_population_are_contradicted_by_as_much_as_chance_does(arm6: Scene) -> None:
     """Of n numbers drawn by what is stated, the logs tell some: the sum of squares is below n, and not far below."""
     draws = [draw_robot(np.random.default_rng(seed), arm6.links, "wrist_ft", 0.02) for seed in range(12)]

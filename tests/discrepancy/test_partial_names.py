@@ -60,9 +60,10 @@ def waves(rng: np.random.Generator, t: np.ndarray, size: float) -> tuple[np.ndar
     return np.sin(angle) @ part, np.cos(angle) @ (part * omega), -np.sin(angle) @ (part * omega**2)
 
 
-def record(seed: int, of_arm: float, zero: float, slower: float = 1.0) -> Log:
+def record(seed: int, of_arm: float, zero: float, slower: float = 1.0, alike: bool = False, aside: bool = False) -> Log:
     """of_arm: share of the arm's torque that is read at the left leg, too. zero: of the left foot along y [N]. slower:
-    times as usual."""
+    times as usual. alike: both legs move so, and little of the load goes from one foot to the other. aside: the left
+    foot bears little."""
     model = pin.buildModelFromXML(urdf(), pin.JointModelFreeFlyer())
     data, rng = model.createData(), np.random.default_rng(seed)
     for body in range(1, model.njoints):
@@ -71,9 +72,13 @@ def record(seed: int, of_arm: float, zero: float, slower: float = 1.0) -> Log:
     soles = [model.getFrameId(name) for name in FEET]
     t = np.arange(0.0, SECONDS, 1.0 / RATE)
     joints, about = ([waves(rng, t / slower, size) for size in sizes] for sizes in ((1.0, 0.6, 0.6), (0.15, 0.2)))
+    joints = [*joints[:2], joints[1]] if alike else joints
     joints, about = ([(q, v / slower, a / slower**2) for q, v, a in some] for some in (joints, about))
     about_x, about_y = about
-    borne, pushed = 0.5 + waves(rng, t, 0.35)[0], 10.0 * waves(rng, t, 1.0)[0]
+    borne, pushed = (
+        (0.12 if aside else 0.5) + waves(rng, t, 0.04 if alike or aside else 0.35)[0],
+        10.0 * waves(rng, t, 1.0)[0],
+    )
     friction = (np.array([0.3, 0.5, 0.6]), np.array([0.4, 0.8, 1.0]))
     rows = []
     for k in range(len(t)):

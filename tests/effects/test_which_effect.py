@@ -181,6 +181,7 @@ def test_what_looks_alike_is_in_the_docs_and_nothing_else_does(motion, swing, se
             assert share == pytest.approx(float(said[pair].split()[0]) / 100.0, abs=0.01), pair
 
 
+@pytest.mark.slow
 def test_what_the_docs_say_the_plain_model_takes_it_takes(swing, seen, likeness):
     joint = swing("one load", 0)
     taken, _ = likeness(seen(joint, drive_with("none", joint)), RIVALS)

@@ -37,6 +37,7 @@ def deviations(found, truth):
     return [(p.value - known[p.name]) / p.std for p in found.parameters if p.name in known]
 
 
+@pytest.mark.slow
 def test_standard_deviations_are_of_the_errors_size_where_errors_last(make_truth, make_log):
     """A torque sensor whose error lasts 0.15 s says as much as one independent reading every 0.3 s, not as 200 a
     second: taken for white, standard deviations are some four times too small."""

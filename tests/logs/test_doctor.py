@@ -353,7 +353,10 @@ def test_a_base_that_accelerates_as_it_turns_about_its_ankles_or_a_hook_has_no_g
 
 @pytest.mark.parametrize(("gyro", "rule"), [(0.5, "gyro_scale"), (2.0, "gyro_scale"), (-1.0, "gyro_sign")])
 def test_a_gyro_that_is_off_by_more_than_that_is_told(gyro, rule):
-    assert [f.rule for f in examine(swaying(0.3, 0.25, 10.0, gyro)) if f.channel == "gyro"] == [rule]
+    (found,) = [f for f in examine(swaying(0.3, 0.25, 10.0, gyro)) if f.channel == "gyro"]
+    assert found.rule == rule
+    if rule == "gyro_scale":  # a log whose clock is wrong looks the same
+        assert f"times too {'slow' if gyro > 1.0 else 'fast'}" in found.advice
 
 
 @pytest.mark.parametrize("gyro", [0.0, 1.0])
@@ -446,6 +449,7 @@ def test_no_log_is_too_odd_to_be_examined(samples, content):
     assert all(finding.rule and finding.detail for finding in findings)
 
 
+@pytest.mark.slow
 def test_every_rule_speaks_in_some_case():
     rng = np.random.default_rng(12)
     silent = {rule.__name__ for rule in RULES}

@@ -87,6 +87,7 @@ def bowing(wrong: str = "") -> HumanMotion:
     return HumanMotion("bowing", 0.01 * np.arange(101), markers=markers)
 
 
+@pytest.mark.slow
 def test_a_bow_is_as_deep_as_it_was(tmp_path: Path) -> None:
     """And the command hands out angles that are read again."""
     markers, fit = bowing().markers, fit_human(bowing())

@@ -38,6 +38,7 @@ def package(path: str, folder: Path) -> Path:
     return urdf
 
 
+@pytest.mark.slow
 def test_an_arm_is_drafted_excited_and_judged_without_a_hand(tmp_path: Path, capsys, monkeypatch) -> None:
     """It was no robot with two feet; its own draft was refused for torques per ampere; `check` asked for soles."""
     monkeypatch.setattr(plan.plan_excitation, "__kwdefaults__", {**plan.plan_excitation.__kwdefaults__,
@@ -152,6 +153,7 @@ def test_a_study_opens_no_mesh_outside_it_however_far_up_its_name_leads(tmp_path
     assert [name for name in names if opened(name) is not None] == []
 
 
+@pytest.mark.slow
 def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path) -> None:
     """iCub's hang against its hips: forearms and hands were never looked at."""
     robot = load_motion_robot(sample_folder(tmp_path))

@@ -36,6 +36,7 @@ def test_nothing_is_searched_for_where_home_lacks_a_little(robot: MotionRobot) -
     )  # nor would the search have found any: even standing still lacks it
 
 
+@pytest.mark.slow
 def test_a_slower_motion_is_tried_on_no_more_nodes_than_the_motion_itself(robot: MotionRobot) -> None:
     """Where nothing does, four times the time is tried: four times the nodes would be four times the cost."""
     margin = next(m for m in np.arange(0.1, 0.02, -0.002) if not at_home(robot, with_margin(m)).lacks)

@@ -137,6 +137,7 @@ def as_contact(folder: Path) -> None:
     file.write_text(file.read_text(encoding="utf-8").replace("role: test", "role: contact"), encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_zero_that_moved_before_a_log_of_contact_is_no_contact_or_is_asked_for(moving: bool, tmp_path: Path) -> None:
     zero = np.array([2.5, -1.5, 2.0, 0.05, -0.04, 0.03])

@@ -119,6 +119,7 @@ def errors(seeds: Sequence[int], density: float | None, method: str) -> Array:
 SEEDS = range(6)
 
 
+@pytest.mark.slow
 def test_the_payload_comes_back_within_the_bounds_and_intervals_hold() -> None:
     error = errors(SEEDS, None, "gtls")
     rms = np.sqrt(np.mean(error**2, axis=0))
@@ -204,6 +205,7 @@ def test_tools_of_another_simulation_come_back_to_the_last_digits(name: str) -> 
     assert np.abs(found.value[10:]).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not TOOLS.is_dir(), reason="no recordings beside the repository")
 @pytest.mark.parametrize("level", ["low", "moderate", "high"])
 def test_tools_with_the_noise_of_who_published_them_are_told_with_their_doubt(level: str) -> None:
@@ -273,6 +275,7 @@ def test_the_doubt_of_the_inclination_is_in_that_of_the_motion() -> None:
     assert np.sqrt(np.mean(without)) > 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.5, 0.9])
 def test_intervals_of_coloured_noise_hold_though_its_sum_over_lags_is_by_chance(memory: float) -> None:
     """Of a log of 24 s, 0.90 of them held."""

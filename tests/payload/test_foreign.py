@@ -364,6 +364,7 @@ def test_postures_alone_tell_a_unit_by_what_a_wrench_scatters_at_rest(first: int
 RATED = "  range: {force_n: [400, 400, 800], moment_nm: [40, 40, 40]}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rated", "mass", "rule"), [(True, None, "beyond_range"), (False, 6.0, "no_such_mass")])
 def test_all_in_thousandths_is_refused_with_the_unit_where_no_sensor_or_no_arm_bears_it(
     rated: bool, mass: float | None, rule: str, tmp_path: Path

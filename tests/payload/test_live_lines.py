@@ -50,6 +50,7 @@ def said(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
+@pytest.mark.slow
 def test_a_stream_begins_with_what_the_logs_say(begun: tuple[PayloadFile, Start], sample: Path) -> None:
     truth = json.loads((sample / "truth.json").read_text())
     start = begun[1]
@@ -59,6 +60,7 @@ def test_a_stream_begins_with_what_the_logs_say(begun: tuple[PayloadFile, Start]
     assert np.all(start.pose.density[3:] > 0.1)
 
 
+@pytest.mark.slow
 def test_a_log_is_followed_and_its_pushes_are_told_with_their_times(
     sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

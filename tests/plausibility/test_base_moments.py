@@ -27,7 +27,16 @@ def said(robot: Robot, logs: list[Log]) -> list[tuple[str, str, str]]:  # noqa: 
     return [(log, each.channel, each.rule) for log, each in examine_against_robot(robot, logs)]
 
 
+@pytest.mark.slow
 def test_feet_that_are_exchanged_are_named_and_nothing_else(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
+    found = said(robot, [exchanged(each) for each in logs])
+    assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
+
+
+def test_feet_that_are_exchanged_are_named_where_they_bear_nearly_alike(robot: Robot) -> None:  # noqa: F811
+    """As in bends: what the trunk asks for goes into both feet alike, and is large beside what an exchange changes."""
+    logs = [record(seed, 0.0, 0.0, alike=True) for seed in (4, 5)]
+    assert said(robot, logs) == []
     found = said(robot, [exchanged(each) for each in logs])
     assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
 
@@ -54,7 +63,7 @@ def test_moments_in_another_unit_are_named_and_nothing_else(robot: Robot, logs: 
 @pytest.mark.parametrize(
     ("feet", "read"),
     [(FEET[:1], ("y", "x", "z")), (FEET[1:], ("z", "y", "x")), (FEET[:1], ("-y", "x", "z")),
-     (FEET, ("y", "x", "z")), (FEET, ("-x", "-y", "z"))],
+     (FEET, ("y", "x", "z")), (FEET, ("-x", "-y", "z")), (FEET, ("-y", "x", "z"))],
 )  # fmt: skip
 def test_a_foots_exchanged_axes_are_named_and_no_joint_for_them(
     robot: Robot,  # noqa: F811
@@ -79,6 +88,37 @@ def test_a_foots_exchanged_axes_are_named_and_no_joint_for_them(
             assert f"{source[-1]} := {'-' if '-' in source else ''}{axis}" in each.advice
 
 
+def test_the_axes_of_a_foot_that_bears_little_are_named_too(robot: Robot) -> None:  # noqa: F811
+    """What they leave is little of all that the moments change, and all that they themselves change."""
+    logs = [record(seed, 0.0, 0.0, aside=True) for seed in (4, 5)]
+    assert said(robot, logs) == []
+    turned = [
+        replace(each, channels=each.channels | {
+            f"ft.left.{kind}{axis}": sign * each.channels[f"ft.left.{kind}{source}"]
+            for kind in "fm" for axis, source, sign in (("x", "y", 1.0), ("y", "x", -1.0))
+        }) for each in logs
+    ]  # fmt: skip
+    found = list(examine_against_robot(robot, turned))
+    assert [(log, each.channel, each.rule) for log, each in found] == [
+        (each.name, "ft.left", "wrench_axes") for each in logs
+    ]
+    assert all("x := -y, y := x, z := z" in each.advice for _, each in found)
+
+
+def test_feet_that_tell_their_vertical_force_alone_are_no_measure_of_torques(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
+    rest = {f"ft.{foot}.{axis}": np.zeros(logs[0].samples) for foot in FEET for axis in AXES if axis != "fz"}
+    found = list(examine_against_robot(robot, [replace(each, channels=each.channels | rest) for each in logs]))
+    told = {(log, each.channel) for log, each in found if each.rule == "wrench_incomplete" and each.severity == "error"}
+    assert told == {(each.name, f"ft.{foot}") for each in logs for foot in FEET}
+
+
+def test_a_foot_in_the_air_throughout_is_none_that_is_half_measured(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
+    lifted = {f"ft.left.{axis}": np.zeros(logs[0].samples) for axis in AXES}
+    found = list(examine_against_robot(robot, [replace(each, channels=each.channels | lifted) for each in logs]))
+    assert all(each.rule != "wrench_incomplete" for _, each in found)
+
+
+@pytest.mark.slow
 def test_a_reversed_accelerometer_is_no_reversal_of_both_feet(robot: Robot) -> None:  # noqa: F811
     """Of a body that moves slowly moments do not tell the two apart; the weight does. Feet and joints were blamed."""
     log = record(4, 0.0, 0.0, slower=4.0)

@@ -79,6 +79,7 @@ def test_a_fault_keeps_its_place_and_leaves_nothing_behind(tmp_path: Path) -> No
     assert list(out.parent.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("limits", "rule"),
     [

@@ -59,6 +59,7 @@ def test_who_cancels_is_obeyed_inside_a_step_too() -> None:
     assert not failed
 
 
+@pytest.mark.slow
 def test_a_robot_whose_torques_nobody_logs_is_searched_for_missing_effects_too(
     folder: Path, tmp_path: Path, rewrite: Rewrite
 ) -> None:

@@ -242,6 +242,7 @@ def test_a_missing_column_is_named_for_every_log(folder: Path, log_writer: Calla
     ]
 
 
+@pytest.mark.slow
 def test_damaged_logs_are_all_named_at_once(folder: Path) -> None:
     for name in ("id_1", "val_1"):
         path = folder / "logs" / f"{name}.parquet"

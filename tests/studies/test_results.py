@@ -143,6 +143,7 @@ def test_the_same_inputs_give_the_same_bytes(
     assert first == second
 
 
+@pytest.mark.slow
 def test_a_failed_run_never_looks_whole(
     out: Path, folder: Path, identification: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

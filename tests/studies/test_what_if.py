@@ -89,6 +89,7 @@ def equal_torques(one: WhatIf, when: str, other: WhatIf, when_other: str) -> Non
         np.testing.assert_allclose(getattr(first, when).torque, getattr(second, when_other).torque, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_moved_via_point_is_what_a_device_file_written_so_gives(study):
     (study / "other.yaml").write_text(DEVICE.replace("[-0.12, 0.1, 0.0]", "[-0.12, 0.1, 0.02]"))
     moved = asked(study, MovePoint("A_left", 1, (0.0, 0.0, 0.02)))

@@ -183,6 +183,7 @@ def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(bipe
     assert astray(model, moved, model.inputs.moved[:, model.inputs.names.index(name)]) < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EACH)
 def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_it(
     biped, robot, logs, model, suit, wander, name
@@ -467,6 +468,7 @@ def test_a_joint_counts_no_more_than_what_nobody_measured_of_its_bands_lets_it(b
     assert np.all(seen.joint_weight**-0.5 > 0.8 * drawn)
 
 
+@pytest.mark.slow
 def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_moved(biped, suit, worn):
     bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
     setting, fitted = problem(biped, bands, worn)

@@ -61,6 +61,7 @@ def test_a_motor_that_drifts_moves_them_as_far_as_their_part_says(told, logs, fo
     assert getattr(found["b"], quantity).parts["kt_drift"] == pytest.approx(abs(moved), rel=within)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["peak", "mean"])
 def test_what_both_runs_drift_alike_acts_on_their_difference_once(told, logs, found, quantity):
     """Motors of the run with the device, of the one without it, and of both alike."""

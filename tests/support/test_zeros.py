@@ -25,8 +25,12 @@ AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 
 @pytest.fixture(scope="module")
 def model(biped):
+    return of_zeros(biped, taken_once=True)
+
+
+def of_zeros(biped, taken_once):
     """Every mass is as it is, but every moment a little wrong: what is missed alike in all repetitions is no zero."""
-    declared = Declared(ft_zero_force=FORCE, ft_zero_moment=MOMENT)
+    declared = Declared(ft_zero_force=FORCE, ft_zero_moment=MOMENT, zeros_taken_once=taken_once)
     phi = biped.phi.copy()
     phi[:, 1:4] *= 1.03
     return replace(biped, robot=replace(biped.robot, declared=declared), phi=phi).known()
@@ -76,6 +80,7 @@ def asked(robot, clean, suit, end, weight=0.0):
     return plain, [WornLog(spoilt[name], "stoop", suit) for name in STARTS if "worn" in name]
 
 
+@pytest.mark.slow
 def test_zeros_that_are_known_are_taken_off_to_the_last_digit(biped, clean, end):
     model, log = biped.known(), clean["worn1"]
     zeros = Zeros({log.name: 0}, np.ones((1, 1)), end[None], np.zeros((1, 12, 1)))
@@ -126,6 +131,24 @@ def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clea
     assert find_zeros(model, plain, worn, {name: each for name, each in STARTS.items() if name != "worn2"}) is None
 
 
+def test_zeros_that_were_taken_anew_before_each_log_are_doubted_by_all_that_is_declared(biped, clean, suit):
+    """What one foot reads more and the other less no base row tells: as a course it would go with the partner's."""
+    anew = of_zeros(biped, taken_once=False)
+    rng = np.random.default_rng(4)
+    zeros = {name: SIZE * rng.standard_normal(12) for name in STARTS}
+    logs = {name: read(anew.robot, log, zeros[name]) for name, log in clean.items()}
+    plain = [PlainLog(logs[name], "stoop", name != "fit") for name in STARTS if "worn" not in name]
+    worn = [WornLog(logs[name], "stoop", suit) for name in STARTS if "worn" in name]
+    without, with_times = (
+        estimate_support(anew, plain, worn, SupportSettings(started=started))[1] for started in ({}, STARTS)
+    )
+    for unknown, known in zip(without, with_times, strict=True):
+        for one, other in zip(unknown.bands, known.bands, strict=True):
+            assert other.stiffness.parts["ft_zero"] == pytest.approx(one.stiffness.parts["ft_zero"], rel=0.2)
+            assert other.stiffness.parts["ft_zero"] > 0.0
+    assert find_zeros(anew, plain, worn, STARTS) is None
+
+
 def test_with_no_run_before_and_after_all_that_is_declared_stays_in_doubt(model, clean, suit, end):
     plain, worn = asked(model.robot, clean, suit, end)
     zeros = find_zeros(model, [each for each in plain if each.log.name in ("fit", "before1")], worn[:1], STARTS)
@@ -134,6 +157,7 @@ def test_with_no_run_before_and_after_all_that_is_declared_stays_in_doubt(model,
     np.testing.assert_allclose(last, SIZE * course, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_the_stiffness_is_that_of_feet_that_stay_as_they_are_and_is_doubted_less_for_what_is_known(
     model, clean, suit, end
 ):

@@ -152,6 +152,7 @@ def test_everything_is_had_back_on_either_database(filled: Installation, elsewhe
     there.close()
 
 
+@pytest.mark.slow
 def test_a_second_backup_copies_only_what_is_new(filled: Installation, tmp_path: Path) -> None:
     first = back_up(filled, tmp_path / "backup", "me")
     with filled.of_lab("north").transaction() as store:

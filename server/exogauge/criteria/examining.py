@@ -274,8 +274,8 @@ class Comparing:
     sides_before: float = criterion(
         0.5,
         "1",
-        "of how much the feet's moments change, that bodies as described have to leave unasked for: feet that are "
-        "exchanged leave about twice of it",
+        "of how much the feet's moments change, or an exchange of feet changes them, that bodies as described have to "
+        "leave unasked for: feet that are exchanged leave all of the latter",
         judgement(RULES),
     )
     sides_falls: float = criterion(0.5, "1", "of that may be left once two feet are exchanged back", judgement(RULES))

@@ -42,6 +42,13 @@ class Supporting:
         "of the declared zero of a foot, which a wrong mass or tilt may look like in a motion: only its change tells",
         judgement("docs/decisions/0031-zeros-of-the-feet-through-a-session.md"),
     )
+    label_pulls: float = criterion(
+        0.5, "1", "of the largest pull in a motion: a log that shows as much has the device on", judgement(RULES)
+    )
+    label_none: float = criterion(0.25, "1", "of the same: a log that shows less has it off", judgement(RULES))
+    label_likeness: float = criterion(
+        0.8, "1", "of what the model misses with how the bands would pull, for it to be theirs", judgement(RULES)
+    )
     not_as_stated: float = criterion(
         5.0,
         "std",

@@ -147,7 +147,9 @@ def _sign_or_scale(tilting: _Tilting | None) -> Iterator[Finding]:
         yield Finding("error", "gyro", "gyro_sign", detail, advice, value=gain)
     elif likeness > 0.8 and not 0.7 < gain < 1.4:
         detail = f"turns {gain:.3g} times as fast as gravity's direction in the accelerometer"
-        yield Finding("warning", "gyro", "gyro_scale", detail, "check its unit and scale", value=gain)
+        clock = f"{gain:.3g} times too slow" if gain > 1.0 else f"{1.0 / gain:.3g} times too fast"
+        advice = f"check its unit and scale, and the log's clock or `rate_hz`: one that is {clock} looks the same"
+        yield Finding("warning", "gyro", "gyro_scale", detail, advice, value=gain)
 
 
 def _gyro_axes(up: Array, seen: Array, gyro: Array, criteria: Examining) -> str | None:

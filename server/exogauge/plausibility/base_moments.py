@@ -102,38 +102,45 @@ class Late:
 
 
 def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | None:
-    """In all of the logs. None where the load does not go from one to another, so that no moment tells them apart."""
+    """In all of the logs. None where the load does not go from one to another, so that no moment tells them apart.
+
+    What is left is held against what an exchange changes: motions in which both feet bear alike say nothing of it.
+    """
     if not robot.tree.floating or len(robot.contacts) < 2 or not seen:
         return None
     criteria = seen[0].criteria
     asked, given = [_asked(robot, each) for each in seen], [_given(robot, each) for each in seen]
     swings = _rms(given)
-    before = _rms([a - b for a, b in zip(asked, given, strict=True)])
-    if swings <= 0.0 or before < criteria.sides_before * swings:
+    before = _difference(asked, given)
+    if swings <= 0.0:
         return None
     found = []
     for pair in combinations(range(len(robot.contacts)), 2):
         tried = Exchanged(pair, before / swings, 0.0)
         other = [_given(robot, tried.undo(each)) for each in seen]
-        found.append(replace(tried, after=_rms([a - b for a, b in zip(asked, other, strict=True)]) / swings))
-    best = min(found, key=lambda each: each.after)
-    return best if best.after < criteria.sides_falls * best.before else None
+        if before >= criteria.sides_before * _difference(given, other):
+            found.append(replace(tried, after=_difference(asked, other) / swings))
+    best = min(found, key=lambda each: each.after, default=None)
+    return best if best and best.after < criteria.sides_falls * best.before else None
 
 
 def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
     """In all of the logs, of one sensor, or of all alike: exchanged and reversed axes, forces and moments together.
-    None where two sensors that are exchanged leave no more.
+    What is left is held against what a reading changes. None where two sensors that are exchanged leave no more.
     """
     if not robot.tree.floating or not robot.contacts or not seen:
         return None
     criteria, asked = seen[0].criteria, [_asked(robot, each) for each in seen]
+    given = [_given(robot, each) for each in seen]
 
-    def left(tried: Sequence[Snapshot]) -> float:
-        return _rms([a - _given(robot, each) for a, each in zip(asked, tried, strict=True)]) / swings
+    def left(tried: OtherAxes) -> tuple[float, float]:
+        """What no body asks for so, and how much of the moments this reading changes."""
+        so = [_given(robot, tried.undo(each)) for each in seen]
+        return _difference(asked, so) / swings, _difference(given, so) / swings
 
     swings = _rms(asked)
-    before = left(seen) if swings > 0.0 else 0.0
-    if before < criteria.sides_before:
+    before = _difference(asked, given) / swings if swings > 0.0 else 0.0
+    if before <= 0.0:
         return None
     sensors: list[tuple[int, ...]] = [(each,) for each in range(len(robot.contacts))]
     sensors += [tuple(range(len(robot.contacts)))] if len(robot.contacts) > 1 else []
@@ -142,8 +149,11 @@ def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
         for order in permutations(range(3))
         for signs in product((1.0, -1.0), repeat=3)
     ]
-    found = [OtherAxes(some, read, before, 0.0) for some in sensors for read in reads]
-    found = [replace(each, after=left([each.undo(one) for one in seen])) for each in found]
+    found = list[OtherAxes]()
+    for some, read in product(sensors, reads):
+        after, changed = left(tried := OtherAxes(some, read, before, 0.0))
+        if before >= criteria.sides_before * changed:
+            found.append(replace(tried, after=after))
     best = min(found, key=lambda each: each.after)
     if len(best.sensors) == len(robot.contacts) and best.read == tuple((axis, -1.0) for axis in range(3)):
         return None  # the weight tells whether they are reversed: if not, the accelerometer is
@@ -164,7 +174,7 @@ def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
     def tried(factor: float) -> tuple[float, float]:
         scaled = MomentUnit(factor, 0.0, 0.0)
         given = [_given(robot, scaled.undo(each)) for each in seen]
-        return _rms([a - b for a, b in zip(asked, given, strict=True)]), _rms(given)
+        return _difference(asked, given), _rms(given)
 
     left, swings = tried(1.0)
     if swings <= 0.0 or left < criteria.sides_before * swings:
@@ -218,6 +228,10 @@ def _asked(robot: Robot, seen: Snapshot) -> Array:
 def _given(robot: Robot, seen: Snapshot) -> Array:
     """(N, 3) by the sensors."""
     return ContactPaths(robot).effect(seen.q, seen.wrenches)[:, MOMENTS]
+
+
+def _difference(some: Sequence[Array], others: Sequence[Array]) -> float:
+    return _rms([a - b for a, b in zip(some, others, strict=True)])
 
 
 def _rms(logs: Sequence[Array]) -> float:

@@ -12,8 +12,9 @@ from functools import partial
 import numpy as np
 
 from exogauge.criteria.examining import Comparing
+from exogauge.identification.added_columns import COMPONENTS
 from exogauge.identification.preparation import DRIVE
-from exogauge.logs.findings import Finding
+from exogauge.logs.findings import Finding, varies
 from exogauge.logs.model import Log
 from exogauge.plausibility.base_moments import (
     Exchanged,
@@ -70,6 +71,9 @@ def examine_against_robot(
     or friction makes up for it (`decisive`); of a joint that stands still, or bears nothing, none is.
     """
     criteria = criteria or Comparing()
+    for log in logs:
+        for finding in half_measured(robot, log):
+            yield log.name, finding
     chosen = _looked_at(logs, fitted, criteria.most_logs)
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
     axes = contact_axes(robot, seen)
@@ -146,6 +150,23 @@ def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[
         spread = np.linspace(0, len(places) - 1, min(len(places), most - len(chosen))).astype(int)
         chosen += [places[k] for k in spread]
     return [logs[k] for k in sorted(chosen)]
+
+
+def half_measured(robot: Robot, log: Log) -> Iterator[Finding]:
+    """Contact sensors of which some numbers never change while others do, under a robot whose drives are logged: the
+    base's moments, which set the scale of every torque, would be wrong by what is not measured."""
+    if not robot.tree.floating or not any(joint.actuation != "none" for joint in robot.joints):
+        return
+    for sensor in robot.contacts:
+        told = {axis: log.channels[name] for axis in COMPONENTS if (name := f"ft.{sensor.name}.{axis}") in log.channels}
+        still = [axis for axis, values in told.items() if not varies(values)]
+        if still and len(still) < len(told):
+            detail = f"tells nothing of {', '.join(still)}: what motors give per ampere, and masses, rest on all six"
+            advice = (
+                "record all six; a robot of whose feet less is known is described as `base: fixed`, if its base stands "
+                "still, without what bears it"
+            )
+            yield Finding("error", f"ft.{sensor.name}", "wrench_incomplete", detail, advice)
 
 
 def not_judged(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:

@@ -1,6 +1,6 @@
 """Supporting torque of a worn device: without minus with it on the same motion (A), model minus measurement (B).
 
-- `settings`, `motions`, `same_motion`, `notes`: which log is compared with which
+- `settings`, `motions`, `same_motion`, `labels`, `notes`: which log is compared with which, and what looks like a slip
 - `difference`, `paired`, `balance`, `at_rest`: the estimates, and what they are worth where a joint stands still
 - `coloured`, `drift`, `zeros`: errors that last, what motors gave and feet read in every log of a session
 - `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their

@@ -26,6 +26,7 @@ from exogauge.support.cross_checks import judged
 from exogauge.support.drift import find_drift
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
 from exogauge.support.inputs import Doubts, sloped_samples
+from exogauge.support.labels import notes_on_labels
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_drift, notes_on_logs, notes_on_zeros
 from exogauge.support.phases import phase_names
@@ -84,6 +85,8 @@ def gather_support(
     evidences: list[Evidence] = []
     backgrounds: dict[str, Background] = {}
     nothings: list[Nothing] = []
+    labels: list[Remark] = []
+    names = [model.robot.joints[j].name for j in joints]
     balances = _balances(model, _used(plain, worn), joints, progress)
     zeros = find_zeros(model, plain, worn, settings.started)
     if zeros is not None:
@@ -105,11 +108,13 @@ def gather_support(
             progress(0.2 + 0.6 * len(evidences) / len(worn), Doing.COMPARING_WORN, pair.worn.log.name)
             evidences.append(evidence)
         nothings += [_nothing(each, motion, known) for each in plains]
+        own = [each for each in evidences if each.worn.motion == motion]
+        labels += notes_on_labels(model, names, own, plains, motion)
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
     del balances
     give_back()
-    names = [model.robot.joints[j].name for j in joints]
     notes = (
+        *labels,
         *notes_on_logs(_used(plain, worn), worn),
         *notes_on_drift(model, drift, joints),
         *notes_on_zeros(model, zeros),

@@ -7,7 +7,8 @@ in it, only what the feet read; Z: what a zero of each of their components takes
 device too, of the sum of the feet: how a change is shared between them no base row tells. m: what the model misses in
 this motion, the same in all its repetitions with the same device or without, as if it were a zero; so that only what
 changes between them tells. beta_r ~ N(0, declared² / R) of each component: what is declared is the change over the
-session, of either sign. Repetitions that scatter more than they say count less (Birge).
+session, of either sign. Repetitions that scatter more than they say count less (Birge). A zero that was taken anew
+before each log is no course: how the feet share what it makes no row tells, and so all that is declared stays in doubt.
 """
 
 from __future__ import annotations
@@ -84,7 +85,10 @@ class Zeros:
 def find_zeros(
     model: RobotModel, plain: Sequence[PlainLog], worn: Sequence[WornLog], started: Mapping[str, float]
 ) -> Zeros | None:
-    """None where no zero is in doubt, no base row sees them, or it is not said of every log when it began."""
+    """None where no zero is in doubt, no base row sees them, it is not said that they were taken once, or not of every
+    log when it began."""
+    if not model.robot.declared.zeros_taken_once:
+        return None
     size, known = zeros_in_doubt(model.robot), session_of(plain, [each.log for each in worn], started)
     if not model.robot.floating or not size.any() or known is None:
         return None

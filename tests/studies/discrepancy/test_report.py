@@ -58,6 +58,7 @@ def section(html: str) -> str:
     return found.group()
 
 
+@pytest.mark.slow
 def test_the_first_sentence_names_the_effect(report: str) -> None:
     header = words(report[report.index("<header>") : report.index("</header>")])
     assert header.index("does not know of 2 effects: Stribeck friction at torso_pitch") < header.index(
@@ -119,6 +120,7 @@ def test_what_is_left_what_changed_and_where_it_came_from(report: str) -> None:
     assert "too little steady motion that was not fitted" in text
 
 
+@pytest.mark.slow
 def test_a_candidate_rejected_in_every_round_is_listed_once(render: Render, discrepancy: Discrepancy) -> None:
     again = tuple(dataclasses.replace(each, score=0.5 * each.score) for each in discrepancy.rejected)
     text = words(section(render(dataclasses.replace(discrepancy, rejected=again + discrepancy.rejected))))

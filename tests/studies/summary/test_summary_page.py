@@ -274,6 +274,7 @@ def test_without_a_wear_there_is_a_page_too(evaluated: Evaluated) -> None:
     assert "RMSE" in shown(made)
 
 
+@pytest.mark.slow
 def test_a_page_that_fits_is_laid_out_once_and_of_several_the_largest_that_fits_is_taken(
     evaluated: Evaluated, content: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

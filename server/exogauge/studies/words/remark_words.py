@@ -185,6 +185,23 @@ FORMS: Mapping[About, Form] = {
         "how the feet share it, is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f}",
     ),
+    About.LABELS_EXCHANGED: Form(
+        "Labels look exchanged in {names}: the bands of {beside} pull where study.yaml says `without_device`, and do "
+        "not where it says `with_device`. Check `role` of these logs; believe nothing of the device until then.",
+    ),
+    About.DEVICE_ON: Form(
+        "It looks as if {beside} was on in {names}, which study.yaml says are without it. Check `role` of these "
+        "logs; if it is right, the robot is not known well enough for approach B.",
+    ),
+    About.DEVICE_OFF: Form(
+        "It looks as if {beside} was not on in {names}, which study.yaml says are with it: its bands pull in the "
+        "other logs of that motion only. Check `role` and files of these logs.",
+    ),
+    About.DEVICE_ON_WHERE_FITTED: Form(
+        "In {names}, without {beside}, the robot lacks just what its bands would give: it looks as if it was on in "
+        "the logs of role identification. Record these without it; if they are, the robot is not known well enough "
+        "for approach B.",
+    ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
     About.BANDS_IDENTIFIED: Form("the device file, and what it does not say as identified by approach {beside}"),
