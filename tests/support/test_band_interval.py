@@ -42,7 +42,7 @@ def found_in(samples: TorqueSamples, beliefs=()):
 
 
 def profiles(given, fit, covariance) -> Profiles:
-    return Profiles(BandFit(np.zeros((0, 0)), None, given, fit, np.ones(1)), covariance)
+    return Profiles(BandFit(np.zeros((0, 0)), None, given, fit), covariance)
 
 
 def curved(fit) -> np.ndarray:

@@ -11,7 +11,6 @@ from tests.band_problem import Motion, Way
 from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Fitted, Setting, at, fit, shared
-from exogauge.support.band_nuisances import Nuisances
 from exogauge.support.band_rows import WearLog, WearLogs
 
 NAMES = ["bend", "twist", "knee"]
@@ -56,13 +55,17 @@ def std_of_stiffness(setting: Setting, found: Fitted) -> float:
 def without(setting: Setting) -> Setting:
     logs = [replace(each, zero_std=None) for each in setting.logs.logs]
     together = WearLogs(logs, setting.logs.joints, setting.logs.names)
-    return replace(setting, logs=together, wires=(together.wire(Way(0)),))
+    return replace(setting, logs=together, wires=(together.wire(Way(0)),), added=None)
 
 
-def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_prior():
+@pytest.mark.parametrize("more", [0, 3])
+def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_prior(more):
+    """And of each further unknown, its own column."""
     rng = np.random.default_rng(1)
     std = np.array([0.2, 1.5, 0.0])
     setting = recorded(rng, rng.normal(size=(LOGS, 3)), std)
+    V = rng.normal(size=(*setting.weight.shape, more))
+    setting = replace(setting, added=V if more else None)
     found = fitted(setting)
     e = at(without(setting), found.wear).e  # with no offset taken off
     columns, prior = [], []
@@ -72,6 +75,8 @@ def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_
             one[setting.logs.log == log, joint] = 1.0
             columns.append(one.ravel())
             prior.append(std[joint] ** -2)
+    columns += [V[:, :, each].ravel() for each in range(more)]
+    prior += [1.0] * more
     root, P = np.sqrt(setting.weight).ravel(), found.A.shape[2]
     J = np.column_stack([found.A.reshape(-1, P), *columns]) * root[:, None]
     H = J.T @ J
@@ -85,10 +90,11 @@ def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_
     scale = np.sqrt(np.diag(H)[:P] * np.sum(setting.weight * e**2))
     np.testing.assert_allclose(ours / scale, score / scale, atol=1e-12)
     o = np.linalg.solve(H[P:, P:], g[P:])
-    np.testing.assert_allclose(Nuisances(setting.logs, setting.weight).likeliest(e)[:, :2].ravel(), o, rtol=1e-11)
+    offsets = setting.nuisances.likeliest_offsets(e - V @ o[len(o) - more :])
+    np.testing.assert_allclose(offsets[:, :2].ravel(), o[: len(o) - more], rtol=1e-9)
     cost = np.sum((e.ravel() * root - J[:, P:] @ o) ** 2) + np.sum(np.array(prior) * o**2)
     assert found.cost == pytest.approx(cost, rel=1e-12)
-    assert not Nuisances(setting.logs, setting.weight).likeliest(e)[:, 2].any()
+    assert not offsets[:, 2].any()
 
 
 def test_zero_std_changes_no_bit():

@@ -22,9 +22,9 @@ from exogauge.robots.urdf import load_tree
 from exogauge.support.balance import balance, of_this_log, slopes
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, fit_device, starts
-from exogauge.support.band_inputs import torque_of_inputs
+from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import band_wires, rows_with, stretches, taut
+from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, taut
 from exogauge.support.inputs import Doubts, sloped_samples
 from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
@@ -436,12 +436,22 @@ def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, 
     np.testing.assert_allclose(two, share * one, rtol=1e-5, atol=1e-9 * np.abs(one).max())
 
 
-def test_a_joint_counts_no_more_than_what_nobody_measured_of_its_bands_lets_it(biped, suit, worn):
+def drawn_bands(bands, rng, std):
+    """With via points drawn about where they are described."""
+    return tuple(
+        replace(band, via_points=tuple(
+            replace(point, xyz=tuple(np.array(point.xyz) + std * rng.normal(size=3))) for point in band.via_points
+        ))
+        for band in bands
+    )  # fmt: skip
+
+
+def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_lengths_do(biped, suit, worn):
     """Via points drawn as declared, and bands as long as they were put on: RMS over draws of what that adds to the
-    torque. Without noise a fit would bend to it, and weigh most the joints where it bends best."""
+    torque, against the same of the columns."""
     bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
     setting, fitted = problem(biped, bands, worn)
-    found, rng, squares = torque_of_inputs(setting, fitted), np.random.default_rng(0), []
+    added, rng, squares = nuisance_torques(setting, fitted), np.random.default_rng(0), []
     k, l_0 = zip(*(fitted.wear.spring(b) for b in range(2)), strict=True)
 
     def torque(moved):
@@ -451,21 +461,45 @@ def test_a_joint_counts_no_more_than_what_nobody_measured_of_its_bands_lets_it(b
 
     as_described = torque(bands)
     for _ in range(60):
-        moved = tuple(
-            replace(band, via_points=tuple(
-                replace(point, xyz=tuple(np.array(point.xyz) + 0.002 * rng.normal(size=3))) for point in band.via_points
-            ))
-            for band in bands
-        )  # fmt: skip
+        moved = drawn_bands(bands, rng, 0.002)
         longer = 0.001 * rng.normal(size=(2, len(worn)))
-        added = sum(wire.jacobian * (k[b] * taut([wire], np.array([l_0[b]])) * longer[b, setting.logs.log][:, None])
-                    for b, wire in enumerate(setting.wires))  # fmt: skip
-        squares.append((torque(moved) - as_described + added) ** 2)
-    drawn = np.sqrt(np.mean(np.where(setting.logs.used, np.mean(squares, axis=0), 0.0), axis=0))
+        one = sum(wire.jacobian * (k[b] * taut([wire], np.array([l_0[b]])) * longer[b, setting.logs.log][:, None])
+                  for b, wire in enumerate(setting.wires))  # fmt: skip
+        squares.append((torque(moved) - as_described + one) ** 2)
+    used = setting.logs.used
+    drawn, found = (
+        np.sqrt(np.mean(np.where(used, each, 0.0), axis=0))
+        for each in (np.mean(squares, axis=0), np.sum(added**2, axis=2))
+    )
     np.testing.assert_allclose(found, drawn, rtol=0.2)
-    device, nothing = replace(suit, bands=bands), np.zeros((biped.known().equations.size,) * 2)
-    seen, _ = fit_device(device, setting.logs, setting.wires, None, nothing, np.full(len(NAMES), 1e-3))
-    assert np.all(seen.joint_weight**-0.5 > 0.8 * drawn)
+
+
+def test_springs_of_bands_that_sit_otherwise_than_described_are_found_better_and_doubted_as_much(biped, suit, worn):
+    """With little noise: what a fit that knows of no doubt errs by is where the via points are."""
+    rng, std, noise = np.random.default_rng(3), 0.005, 0.05
+    nothing, sigma = np.zeros((biped.known().equations.size,) * 2), np.full(len(NAMES), noise)
+    beside, only = (tuple(replace(band, point_std=each, donning_std=0.0) for band in suit.bands) for each in (std, 0.0))
+    setting, _ = problem(biped, beside, worn)
+    true = [band.stiffness for band in suit.bands]
+    errors, deviations = [], []
+    for _ in range(16):
+        wires = band_wires(setting.logs, Routing(biped.robot.tree, drawn_bands(beside, rng, std)))
+        pulls = np.array(true) * stretches(wires, np.array([band.natural_length for band in suit.bands]))
+        torque = -sum(wire.jacobian * pulls[:, [b]] for b, wire in enumerate(wires))
+        torque = torque + noise * rng.normal(size=torque.shape)
+        spans = setting.logs.spans
+        parts = [replace(each, torque=torque[span]) for each, span in zip(setting.logs.logs, spans, strict=True)]
+        logs = WearLogs(parts, setting.logs.joints, setting.logs.names)
+        found = []
+        for bands in (beside, only):
+            described = band_wires(logs, Routing(biped.robot.tree, bands))
+            seen, _ = fit_device(replace(suit, bands=bands), logs, described, None, nothing, sigma)
+            found.append(seen)
+        errors.append([seen.fitted.wear.springs[0] - true[0] for seen in found])
+        deviations.append(errors[-1][0] / np.sqrt(found[0].covariance(found[0].fitted)[0, 0]))
+    better, worse = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert better < 0.9 * worse
+    assert 0.6 < np.sqrt(np.mean(np.square(deviations))) < 1.4
 
 
 @pytest.mark.slow

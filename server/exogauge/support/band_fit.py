@@ -114,13 +114,14 @@ def _weighed_fit(
     belief: Belief,
     begin: Sequence[Wear],
 ) -> BandFit:
-    """A joint counts by what is left on it, at least by what is there without a device, and by how long that lasts.
+    """A joint counts by what is left on it and how long that lasts, at least by what is there without a device.
     What is declared is fitted beside the springs as soon as there are some: a fit without it bends to it. The best of
     several starts, refined on all samples."""
     setting = Setting(logs, wires, *weights(logs, sigma, np.ones(len(sigma))), belief)
     fitted = fit(setting, best_start(setting, begin))
     for others in (begin, ()):  # the best of several without what is declared may not be the best with it
-        left, memory = spread(logs, fitted.e, sigma), memories(logs, fitted.e)
+        memory = memories(logs, fitted.e)
+        left = spread(logs, fitted.e, sigma / np.sqrt(memory))
         weight, independent = weights(logs, left, memory)
         setting = replace(setting, weight=weight, independent=independent)
         setting = replace(setting, added=nuisance_torques(setting, fitted))
