@@ -79,8 +79,10 @@ thorough: web  ## before a release: whole samples as a laboratory records them, 
 types:
 	$(BIN)/mypy
 
-compiled:  # the tests, once: each of the processes that run them would compile all of them
-	@mkdir -p .cache && $(BIN)/python -m pytest --collect-only --quiet >.cache/collected || { tail -n 40 .cache/collected; exit 1; }
+compiled: .cache/collected
+
+.cache/collected: $(READY)  # the tests, once: each of the processes that run them would compile all of them
+	@mkdir -p .cache && $(BIN)/python -m pytest --collect-only --quiet >$@ || { tail -n 40 $@; rm $@; exit 1; }
 
 style:
 	$(BIN)/ruff format --check .

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -26,6 +27,7 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.storage.store import Storage
 
 KINDS = ("sqlite", "postgresql")
+QUICK_S, CPU_S = 2.0, "CPU seconds"  # what takes more than a sixth of it is slow, where nothing else runs
 LONG = (  # CPU seconds of each: 85 to 30; the last one waits for most of its time
     "motion/test_plan.py", "discrepancy/test_band_effects.py", "support/test_band_doubt.py",
     "motion/test_other_robots.py", "synthetic/test_lab.py", "discrepancy/test_band_limit.py", "upkeep/test_backup.py",
@@ -50,9 +52,9 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL. What stands beside this file, whole samples
-    above all, begins first, and what takes a minute or more: of the longest none is left for the end, when the other
-    processes have nothing to do."""
+    """Quick tests run on SQLite; the slow ones hold the same on PostgreSQL. What is thorough is slow, too. What stands
+    beside this file, whole samples above all, begins first, and what takes a minute or more: of the longest none is
+    left for the end, when the other processes have nothing to do."""
     here, turn = Path(__file__).parent, {name: place for place, name in enumerate(LONG)}
     items.sort(
         key=lambda item: -1 if item.path.parent == here else turn.get(item.path.relative_to(here).as_posix(), len(LONG))
@@ -61,6 +63,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         values = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(each, str) and each == "postgresql" for each in values):
             item.add_marker(pytest.mark.slow)
+        if item.get_closest_marker("thorough"):
+            item.add_marker(pytest.mark.slow)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
+    begun = time.process_time()
+    try:
+        return (yield)
+    finally:
+        if not item.get_closest_marker("slow"):
+            item.user_properties.append((CPU_S, time.process_time() - begun))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Nothing fails by its time: another machine, or one that has much else to do, is no fault."""
+    for report in terminalreporter.getreports("passed"):
+        taken = dict(report.user_properties).get(CPU_S, 0.0)
+        if taken > QUICK_S:
+            terminalreporter.write_line(
+                f"{report.nodeid} took {taken:.1f} s of a processor: shorten it, or mark it slow"
+            )
 
 
 @pytest.fixture(scope="session")

@@ -81,6 +81,7 @@ def test_a_mapping_is_drafted_and_reads_the_files_once_what_is_open_is_said(tmp_
     np.testing.assert_allclose(log.channels["q.elbow"], np.radians(57.3) * np.sin(log.time * 2), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_migrate_makes_our_tables_and_the_queues_and_may_be_repeated(empty_database_url, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("EXOGAUGE_DATABASE_URL", empty_database_url)
     monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(tmp_path))
@@ -96,6 +97,7 @@ def test_a_worker_without_a_schema_says_what_to_run(tmp_path, monkeypatch, capsy
     assert "exogauge migrate" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_port_that_is_taken_is_said_and_not_traced(tmp_path, monkeypatch, capsys):
     import socket
 

@@ -22,6 +22,7 @@ print(before - resident())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
 def test_what_was_freed_below_what_is_still_used_goes_back_to_the_system():
     told = subprocess.run([sys.executable, "-c", HELD_BELOW_THE_LAST], capture_output=True, text=True, check=True,

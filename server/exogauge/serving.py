@@ -9,7 +9,7 @@ import signal
 import socket
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 import uvicorn
@@ -71,13 +71,18 @@ def address(bound: socket.socket, encrypts: bool = False) -> str:
 
 @final
 class Announcing(uvicorn.Server):
-    """Says where it listens once it does."""
+    """Says where it listens once it does, and sends what spans it holds before it ends by the signal that it got."""
 
     url = ""
+    send_spans: Callable[[], None]
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         print(f"exogauge serves on {self.url}", flush=True)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().shutdown(sockets)
+        self.send_spans()
 
 
 def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_parent: bool = False) -> None:
@@ -85,7 +90,7 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
     refuse_open_house(settings)  # whoever calls this
     if with_parent:
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
-    tracing.send_spans("server")
+    send_spans = tracing.send_spans("server")
     prepare(settings)
     with listening(settings.host, settings.port) as bound:
         tempfile.tempdir = str(own_folder(settings.scratch).path)  # swept where this process is killed
@@ -112,7 +117,7 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
             timeout_graceful_shutdown=PATIENCE_S,
         )
         server = Announcing(config)
-        server.url = url
+        server.url, server.send_spans = url, send_spans
         supervisor.start()
         try:
             server.run(sockets=[bound])

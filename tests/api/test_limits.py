@@ -86,6 +86,7 @@ def test_as_many_are_read_at_once_as_may_and_the_next_is_sent_away() -> None:
         pass
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_an_upload_that_finds_no_reader_is_503_and_right_a_moment_later(
     served: Callable[..., TestClient], study_files: Mapping[str, bytes], pack: Callable[[Mapping[str, bytes]], bytes]

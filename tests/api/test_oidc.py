@@ -109,6 +109,7 @@ def reason(answer: httpx.Response) -> str:
     return parse_qs(urlsplit(answer.headers["location"]).query)["oidc"][0]
 
 
+@pytest.mark.slow
 def test_a_login_that_its_owner_linked_signs_in_and_one_that_was_unlinked_does_not(
     go: Go, browser: TestClient, people: People, provider: ProviderHere
 ) -> None:
@@ -154,6 +155,7 @@ def test_an_invitation_is_taken_up_once_and_makes_the_account_that_it_names(
     assert "only way" in refused.json()["detail"]
 
 
+@pytest.mark.slow
 def test_an_invitation_of_an_address_that_has_an_account_is_not_taken_over(
     go: Go, browser: TestClient, people: People
 ) -> None:
@@ -165,6 +167,7 @@ def test_an_invitation_of_an_address_that_has_an_account_is_not_taken_over(
     assert reason(go("eve-at-uni")) == "unknown", "nothing was linked on the way"
 
 
+@pytest.mark.slow
 def test_a_login_is_linked_with_one_account(go: Go, browser: TestClient, people: People) -> None:
     sign_in(browser, people)
     go("ada-at-uni", purpose="link")
@@ -175,6 +178,7 @@ def test_a_login_is_linked_with_one_account(go: Go, browser: TestClient, people:
     assert browser.post(f"{V1}/oidc/begin", json={"purpose": "link"}).status_code == 403
 
 
+@pytest.mark.slow
 def test_a_locked_account_stays_locked(go: Go, browser: TestClient, people: People) -> None:
     from exogauge.storage.accounts import Accounts
 
@@ -213,6 +217,7 @@ def changed(browser: TestClient, **what: str) -> None:
     browser.cookies.set(FLOW, forged)
 
 
+@pytest.mark.slow
 def test_answers_that_were_not_asked_for_in_this_browser_are_refused(
     go: Go, browser: TestClient, people: People, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -256,6 +261,7 @@ def test_answers_that_were_not_asked_for_in_this_browser_are_refused(
     assert who(browser) is None
 
 
+@pytest.mark.slow
 def test_a_token_for_another_client_or_of_another_key_is_refused(
     go: Go, browser: TestClient, people: People, caplog: pytest.LogCaptureFixture
 ) -> None:

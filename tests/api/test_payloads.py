@@ -155,6 +155,7 @@ def broken_row(table: bytes) -> bytes:
     return b"\n".join(lines)
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_plan_that_cannot_be_made_is_refused_when_it_is_handed_in(hand_in: Post) -> None:
     files = {"arm.urdf": generator.arm_urdf().encode(), "payload.yaml": plan_yaml(joints=["a4", "a9"]).encode()}
@@ -195,6 +196,7 @@ def test_jobs_are_of_what_their_kind_is_of(client: TestClient, stored: dict[str,
     assert client.post(f"{V1}/jobs", json={"payload_id": NOBODY, "kind": "payload"}).status_code == 404
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_what_is_not_there_is_not_found(client: TestClient, stored: dict[str, Any]) -> None:
     for path in (
@@ -227,6 +229,7 @@ def identified(client: TestClient, stored: dict[str, Any], tmp_path: Path) -> st
     return key
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_results_and_exports_are_those_of_the_latest_job(client: TestClient, identified: str) -> None:
     results = client.get(f"{V1}/payloads/{identified}/results")
@@ -262,6 +265,7 @@ def test_an_export_that_cannot_be_made_says_why(client: TestClient, identified: 
     assert short.json()["errors"][0]["pointer"] == "query/flange"
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_payload_cannot_be_compared_with_studies_or_shown_as_one(client: TestClient, identified: str) -> None:
     job = client.get(f"{V1}/payloads/{identified}").json()["latest_job"]["id"]

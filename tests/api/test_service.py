@@ -35,6 +35,14 @@ def test_health_tells_what_is_there(client: TestClient) -> None:
 
 
 @on_sqlite
+def test_no_route_is_made_a_second_time_for_an_app(client: TestClient, settings: Settings) -> None:
+    """To make all of them takes a tenth of a second, of the first request that a service answers."""
+    others = {id(route) for route in create_app(settings).routes}
+    assert len(others) > 100
+    assert {id(route) for route in client.app.routes if route.path != f"{V1}/openapi.json"} <= others
+
+
+@on_sqlite
 def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settings: Settings) -> None:
     app = create_app(settings.model_copy(update={"workers": 1}))
     with TestClient(app) as client:
@@ -102,6 +110,7 @@ def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
     assert names == [f"study {k}" for k in (4, 3, 2, 1, 0)]
 
 
+@pytest.mark.slow
 def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_url: str, tmp_path: Path) -> None:
     with TestClient(create_app(Settings(data_dir=tmp_path, database_url=empty_database_url, workers=0))) as client:
         assert client.get("/readyz").json()["database"] == "ok"
@@ -119,6 +128,7 @@ def test_a_server_refuses_a_schema_it_does_not_know(own_database_url: str, tmp_p
         create_app(settings)
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_every_operation_has_a_name_a_problem_and_where_it_posts_a_key(client: TestClient) -> None:
     document = client.get(f"{V1}/openapi.json").json()

@@ -50,6 +50,7 @@ def test_joints_give_what_the_bands_energy_changes_by(torso8) -> None:
             )
 
 
+@pytest.mark.slow
 def test_motors_hold_the_bands_in_worn_logs_only(torso8) -> None:
     pull = torso8.wear.pull()
     assert np.all(pull[~torso8.wear.worn] == 0.0)

@@ -12,6 +12,7 @@ from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.places import poses
 
 
+@pytest.mark.slow
 def test_a_tool_at_rest_weighs_on_the_sensor_in_every_posture(arm6) -> None:
     robot, none = arm6.robot, np.zeros((40, 6))
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (40, 6))
@@ -68,6 +69,7 @@ def test_under_an_upper_body_is_the_change_of_all_momentum(torso8, torso_model) 
         np.testing.assert_allclose(wrench[3:], -(moment + base), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_pedestal_does_not_weigh_on_the_sensor_above_it(torso8) -> None:
     beyond = links_beyond(torso8.links, "mount")
     assert "pedestal" not in beyond

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
+import pytest
 from scipy.integrate import cumulative_simpson
 
 from exogauge.blind.generator.dynamics import GRAVITY, bodies_of, joint_torques, kinematics, regressor_row, tree_of
@@ -11,6 +12,7 @@ from exogauge.blind.generator.robot_files import robot_urdf
 from exogauge.synthetic.inertia import of_shape
 
 
+@pytest.mark.slow
 def test_joint_torques_are_those_of_another_implementation(arm6, arm_model) -> None:
     rng, data = np.random.default_rng(0), arm_model.createData()
     q, dq, ddq = rng.uniform(-2.0, 2.0, (3, 50, 6))
@@ -75,6 +77,7 @@ def test_gravity_acts_downwards_on_an_upright_arm(arm_model) -> None:
     assert arm_model.gravity.linear[2] == -GRAVITY
 
 
+@pytest.mark.slow
 def test_an_upper_body_moves_as_another_implementation_says(torso8, torso_model) -> None:
     data, rng = torso_model.createData(), np.random.default_rng(3)
     order = [torso_model.joints[torso_model.getJointId(name)].idx_v for name in torso8.joints]

@@ -22,6 +22,7 @@ def _on(scene: Scene, joint: int, torque: np.ndarray) -> np.ndarray:
     return every
 
 
+@pytest.mark.slow
 def test_what_nobody_doubts_is_told_by_its_size_over_the_noise(arm6: Scene) -> None:
     """A tone that no number makes: its energy below the low-pass, over that of the noise there."""
     tone = 0.02 * np.sin(2 * np.pi * 3.7 * arm6.motion.time)
@@ -53,6 +54,7 @@ def test_a_mass_that_others_hide_is_contradicted_by_less(arm6: Scene) -> None:
     assert 2.0 < told[swinging] < 4.0
 
 
+@pytest.mark.slow
 def test_robots_of_the_population_are_contradicted_by_as_much_as_chance_does(arm6: Scene) -> None:
     """Of n numbers drawn by what is stated, the logs tell some: the sum of squares is below n, and not far below."""
     draws = [draw_robot(np.random.default_rng(seed), arm6.links, "wrist_ft", 0.02) for seed in range(12)]

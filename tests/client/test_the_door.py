@@ -192,6 +192,7 @@ def test_a_network_is_served_only_on_purpose(tmp_path, host, said, refused):
     assert not (tmp_path / "data").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("host", "said"),
     [

@@ -137,6 +137,7 @@ def test_other_joints_may_be_anywhere(talos, suit):
     np.testing.assert_array_equal(routing.geometry(q).jacobian, routing.geometry(elsewhere).jacobian)
 
 
+@pytest.mark.slow
 def test_a_band_on_one_body_has_one_length_and_acts_on_no_joint(pair, bands):
     still = Band(
         "still", "s", (ViaPoint("arm", (0, 0, 0)), ViaPoint("arm", (0.3, 0, 0)), ViaPoint("arm", (0.3, 0.4, 0)))

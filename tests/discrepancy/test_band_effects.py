@@ -311,6 +311,7 @@ def named(found):
     return [(each.effect, each.place.name) for each in found.findings]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("approach", ["A", "B"])
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_bands_as_described_are_left_alone(trunk, seed, approach):
@@ -424,6 +425,7 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
     assert Why.OTHER_LAW in {each.objection.why for each in found.rejected}
 
 
+@pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
     (finding,) = search(trunk, ("left", "band_via_friction")).findings
     assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
@@ -466,6 +468,7 @@ def _linear(trunk):
     return identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
 
 
+@pytest.mark.slow
 def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repeated(trunk):
     """In the repeated motion the joints hardly moved: its pairs said a hundredth of the noise, and a clean sample stood
     at 124 floors."""

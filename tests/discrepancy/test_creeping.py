@@ -46,6 +46,7 @@ def test_a_joint_that_creeps_gives_no_row_below_its_speed(robot, study):
     assert 0.0 < second.fitted_s < second.fitted_of_s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_friction_that_is_larger_at_low_speed_is_not_taken_for_soft(sign, robot, study):
     """Stribeck's curve lives at the same speeds; only what is less than Coulomb friction there is soft."""

@@ -45,6 +45,7 @@ def above(robot: Robot, wrong: Wrong) -> tuple[set[str], WithinDeclared]:  # noq
     return {each.channel for each in excesses}, within_declared(found.model, recordings, excesses)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("declared", "wrong", "within"),
     [
@@ -86,6 +87,7 @@ def test_what_declared_uncertainties_explain_gets_no_name(
         assert any(each.effect == "ft_zero" and each.objection.why is Why.DECLARED for each in found.rejected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("declared", "newtons", "asked"), [(DECLARED, 3.0, False), (Declared(), 3.0, True), (DECLARED, 20.0, True)]
 )

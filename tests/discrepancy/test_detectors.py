@@ -59,6 +59,7 @@ def test_a_try_that_failed_is_not_known_to_the_search_that_it_began_from():
     assert dict(earlier.failed) == {}
 
 
+@pytest.mark.slow
 def test_another_detector_is_one_entry(study, identified, monkeypatch):
     """One that says of its own what the logs are not about: its finding is told, and its step stands in the chain."""
     recordings = study()

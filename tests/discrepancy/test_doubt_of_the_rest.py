@@ -49,6 +49,7 @@ def off(found, names):
     return np.array([(known[name].value - TRUE[name]) / known[name].std for name in names])
 
 
+@pytest.mark.slow
 def test_a_joints_numbers_hold_beside_what_has_no_name(drawn):
     assert all(left.rmse > 2.0 * left.noise_floor for _, left, _ in drawn)
     before = np.array([off(one, TRUE) for one, _, _ in drawn])

@@ -25,6 +25,7 @@ def found(identified, study):
     return find_missing_effects(identified(recordings), recordings, chosen, Settings(cutoff_hz=8.0))
 
 
+@pytest.mark.slow
 def test_a_later_model_moves_numbers_doubt_and_curve_together(found):
     """As if a joint's scale had been found to be 5 % off, which the whole fit knows to 20 %."""
     (finding,) = found.discrepancy.findings

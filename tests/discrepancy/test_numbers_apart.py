@@ -73,6 +73,7 @@ def test_the_doubt_that_is_planned_for_is_the_evidence_that_was_found(heavy) -> 
         assert left == pytest.approx(told, abs=1e-6 * np.abs(told).max(), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_what_a_heavier_link_would_add_to_a_planned_motion_is_what_pinocchio_says(heavy) -> None:
     arm, recordings, found = heavy
     model = found.identification.model

@@ -55,6 +55,7 @@ def test_a_shape_between_the_grids_values_is_found(fitted_to, study):
     assert [found[name].unit for name in ("tau_b", "v_s", "delta")] == ["N·m", "rad/s", "1"]
 
 
+@pytest.mark.slow
 def test_whichever_value_of_the_grid_it_begins_with_it_finds_the_same_shape(fitted_to, study):
     """On the way to a larger gain the evidence may fall a little: from (0.6, 1) it once did not move at all."""
     model, rows, best, _ = fitted_to(study(friction))

@@ -130,12 +130,14 @@ def doubt(fast_only, pair):
     return doubt_between(fast_only.found, fast_only.recordings, pair)
 
 
+@pytest.mark.slow
 def test_fast_logs_cannot_tell_stribeck_friction_from_a_progressive_one(pair):
     stribeck, progressive = pair
     assert min(stribeck.evidence, progressive.evidence) > ENOUGH  # either explains what is there
     assert stribeck.evidence - progressive.evidence < ENOUGH
 
 
+@pytest.mark.slow
 def test_slow_motion_is_planned_and_its_recording_decides(robot, fast_only, doubt):
     outcome = tell_apart(doubt, fast_only.logs)
     (motion,), (promised,) = outcome.motions, outcome.pairs
@@ -155,6 +157,7 @@ def test_slow_motion_is_planned_and_its_recording_decides(robot, fast_only, doub
     assert stribeck.evidence - progressive.evidence > ENOUGH
 
 
+@pytest.mark.slow
 def test_a_finding_gets_its_motion_in_words_and_as_a_path(fast_only, doubt):
     nothing = np.zeros(0)
     place = Place("joint", "j2")

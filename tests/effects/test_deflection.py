@@ -51,6 +51,7 @@ def test_the_link_swings_on_its_spring_as_a_finer_integration_says(cubic: float)
     assert np.abs(found[1] - r_ddot)[20:].max() < 0.03 * np.abs(r_ddot).max()
 
 
+@pytest.mark.slow
 def test_springs_side_by_side_give_way_as_each_would_alone():
     stiffness, harder, damping = np.array([500.0, 900.0, 4000.0]), np.array([0.0, 3000.0, 800.0]), np.array([1.0, 4, 9])
     slopes = slope(T)[:, None] * np.array([1.0, 0.0, 2.0])
@@ -68,6 +69,7 @@ def test_under_a_constant_load_it_stays_where_the_spring_holds_it(cubic: float):
     np.testing.assert_allclose(r_ddot, 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_elastic_gear_lacks_what_its_link_does_beside_the_motor():
     """gamma: by which share the spring is stiffer where it gives way as, were it straight, under the rms torque."""
     J, f, zeta, torque, gamma = 0.7, 6.0, 0.2, 4.0, 0.15

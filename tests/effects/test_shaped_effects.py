@@ -92,6 +92,7 @@ def test_a_body_between_teeth_moves_as_another_solver_says(drag: float) -> None:
     assert np.sqrt(np.mean((gained - x[1, 20::20]) ** 2)) < 0.03 * np.abs(x[1]).max()
 
 
+@pytest.mark.slow
 def test_bodies_side_by_side_move_as_each_would_alone() -> None:
     t, frequencies = np.arange(0.0, 3.0, 0.005), (12.0, 30.0, 55.0)
     even, omegas = np.ones((len(t), 1)), 2.0 * np.pi * np.array(frequencies)

@@ -41,6 +41,7 @@ def test_another_shape_or_layout_is_refused():
         add_gram(np.zeros((5, 3)), np.zeros((3, 3), order="C"))
 
 
+@pytest.mark.slow
 def test_the_interpreter_is_free_while_it_computes():
     block, gram = np.ones((60_000, 300), order="F"), np.zeros((300, 300), order="F")
     began, ended, looks = threading.Event(), threading.Event(), 0

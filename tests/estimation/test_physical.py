@@ -103,6 +103,7 @@ def test_a_free_solution_that_is_possible_is_the_answer(weight: float | None) ->
     assert solution.excess < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weight", [None, 0.5])
 def test_log_cholesky_search_finds_the_same_bodies(weight: float | None) -> None:
     rng = np.random.default_rng(3)

@@ -18,6 +18,7 @@ def other_tree(tmp_path: Path) -> Path:
     return tmp_path / "tree"
 
 
+@pytest.mark.slow
 def test_each_tree_runs_its_own_code_in_isolated_children_too(other_tree: Path) -> None:
     asked = ["-I", "-c", "import exogauge, numpy; print(exogauge.__file__)"]
     with trees(str(other_tree)) as (base, this):
@@ -27,6 +28,7 @@ def test_each_tree_runs_its_own_code_in_isolated_children_too(other_tree: Path) 
     assert Path(told[1]).is_relative_to(HERE)
 
 
+@pytest.mark.slow
 def test_the_version_is_the_codes(other_tree: Path) -> None:
     with trees(str(other_tree)) as (before, _):
         pass

@@ -56,6 +56,7 @@ def gains(truth, identification):
     return np.array([p.value / k for p, k in pairs]), np.array([p.std / k for p, k in pairs])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("doubt", [0.1, 0.4])
 def test_the_factor_is_not_biased_and_its_doubt_holds(found, doubt):
     ratios, stds = np.array([gains(*each) for each in found(doubt)]).transpose(1, 0, 2)

@@ -229,6 +229,7 @@ def test_the_answer_and_its_doubt_are_those_of_dense_normal_equations(strength):
     np.testing.assert_allclose(solved.covariance(), doubt, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_the_doctor_takes_no_offence_at_a_load_that_was_stated(arm, logs):
     heavy = replace(arm.robot, joints=stated(arm.truth, np.ones(3)).joints)
     told = [found.rule for _, found in examine_against_robot(carrying(heavy, "loaded", mass=MASS), [logs["loaded"]])]

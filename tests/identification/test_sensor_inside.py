@@ -54,6 +54,7 @@ def without(identified: Identify) -> Identified:
     return identified([], made_with=[wrist()])
 
 
+@pytest.mark.slow
 def test_a_load_on_the_tool_takes_off_every_row_what_its_mass_asks_of_it(on_wrist: Identified) -> None:
     robot, found = on_wrist
     tree, equations = robot.tree, found.model.equations
@@ -165,6 +166,7 @@ def test_held_out_readings_are_predicted_down_to_their_noise(on_wrist: Identifie
         assert fit.rmse_prior > 2.0 * fit.noise_floor
 
 
+@pytest.mark.slow
 def test_a_sensor_under_the_robot_sees_all_of_it(identified: Identify) -> None:
     robot, found = identified([FOOT])
     z, known, parameters = errors(found, truth(robot, [FOOT])), truth(robot, [FOOT]), named(found)
@@ -179,6 +181,7 @@ def test_a_sensor_under_the_robot_sees_all_of_it(identified: Identify) -> None:
     assert parameters["zero.fz[foot]"].std > 1.0  # the robot's weight can, and the doubt says so
 
 
+@pytest.mark.slow
 def test_two_sensors_agree_on_what_both_carry(identified: Identify) -> None:
     sensors = [wrist(), FOOT]
     robot, found = identified(sensors)

@@ -91,6 +91,7 @@ def test_forces_and_torques_are_not_pooled_into_one_error(found: Identification)
     assert pooled["joint_force"] == (("tau.lift",), "N")
 
 
+@pytest.mark.slow
 def test_a_leadscrews_ripple_is_told_per_metre_of_its_way() -> None:
     """It was told in cycles per revolution, 6.3 times as many, "at a position of 0.1 rad"."""
     before, logs = identified(ripple=4.0)

@@ -39,6 +39,7 @@ def test_a_gap_below_the_cut_off_counts_in_full(fits):
     assert fit.rmse_moving == pytest.approx(np.hypot(0.6 / np.sqrt(2), fit.noise_floor), rel=0.15)
 
 
+@pytest.mark.slow
 def test_shaking_above_the_cut_off_is_no_fault_of_the_model(fits):
     fit = fits(11.5, 0.6)["tau.j2"]  # below twice the cut-off: what is there is not taken for noise
     assert fit.rmse_identified > 0.4

@@ -37,6 +37,7 @@ def deviations(found, truth):
     return [(p.value - known[p.name]) / p.std for p in found.parameters if p.name in known]
 
 
+@pytest.mark.slow
 def test_standard_deviations_are_of_the_errors_size_where_errors_last(make_truth, make_log):
     """A torque sensor whose error lasts 0.15 s says as much as one independent reading every 0.3 s, not as 200 a
     second: taken for white, standard deviations are some four times too small."""
@@ -70,6 +71,7 @@ def test_standard_deviations_hold_where_few_stretches_are_long_against_the_error
     assert 0.85 < np.sqrt(np.mean(np.square(z))) < 1.15
 
 
+@pytest.mark.slow
 def test_what_noise_of_the_encoders_adds_is_taken_off(make_truth, make_log):
     """Noise of accelerations makes a rotor look lighter, the more so the less the joint accelerates; drawn six times
     over, the mean error says how much of that is left."""

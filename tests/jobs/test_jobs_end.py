@@ -147,6 +147,7 @@ def test_a_lab_with_one_job_does_not_wait_for_all_of_a_lab_with_many(staffed):
     other.queue.close()
 
 
+@pytest.mark.slow
 def test_a_job_that_went_back_into_the_queue_is_where_its_age_puts_it(staffed):
     first = staffed.submit("goes back", seconds=60.0)
     running = staffed.until(first, lambda now: now.state == "running")

@@ -99,6 +99,7 @@ def test_joint_states_become_channels(write: Write) -> None:
     np.testing.assert_allclose(log.channels["tau.elbow"], 20.0 - t, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_topics_of_different_rates_come_on_one_clock(write: Write) -> None:
     path = write(
         joint_states=[(ns, state(ns, t)) for ns, t in messages(100.0, 3.0)],

@@ -450,6 +450,7 @@ def test_no_log_is_too_odd_to_be_examined(samples, content):
     assert all(finding.rule and finding.detail for finding in findings)
 
 
+@pytest.mark.slow
 def test_every_rule_speaks_in_some_case():
     rng = np.random.default_rng(12)
     silent = {rule.__name__ for rule in RULES}

@@ -48,6 +48,7 @@ def test_feet_that_stay_stand(tmp_path, name) -> None:
     assert (contacts.left & contacts.right).mean() > 0.97
 
 
+@pytest.mark.slow
 def test_jumps_knee_raises_and_squats_are_told_apart(tmp_path) -> None:
     """Times of the activities are those of the labels beside the recording."""
     motion = _opened(tmp_path, "cmu_mocap_bend_twist/13_29.amc", "02.asf")

@@ -88,6 +88,7 @@ def test_what_comes_too_near_pulls(arm: Path) -> None:
     assert min(off) < 1e-3 * abs(exact)
 
 
+@pytest.mark.slow
 def test_the_gradient_of_a_standing_robot_is_that_of_differences(human: Path) -> None:
     """Through legs that follow; with bounds so tight that balance, friction and position pull."""
     of = bare(task(human, 4.0, replace(QUICK, kept=0.3)))
@@ -97,6 +98,7 @@ def test_the_gradient_of_a_standing_robot_is_that_of_differences(human: Path) ->
         assert exact == pytest.approx(differences, rel=1e-5, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_legs_torques_are_those_of_feet_that_share_evenly_and_they_pull(human: Path) -> None:
     """As `plan.judge` says them, which a search did not know; with bounds so low that they alone pull."""
     of = bare(task(human, 4.0, replace(QUICK, kept=0.9)))

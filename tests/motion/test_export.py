@@ -80,6 +80,7 @@ def test_mujoco_stands_where_the_plan_stands_and_moves_as_it_moves(robot, motion
         assert qvel[t] == pytest.approx(rate, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_rosbags_reads_the_trajectory_back(robot, motion, judged, tmp_path: Path) -> None:
     path = tmp_path / "motion.mcap"
     path.write_bytes(one(robot, motion, judged, "ros2-mcap"))
@@ -123,6 +124,7 @@ def test_hrpsys_has_the_pressure_in_the_waist_and_the_waist_in_the_world(robot, 
     assert rows[".waist"][90, 3] - rows[".waist"][0, 3] < -0.005  # it sinks
 
 
+@pytest.mark.slow
 def test_every_format_says_when_a_foot_is_up(robot, motion, judged, tmp_path: Path) -> None:
     stands = np.ones_like(judged.stands)
     stands[40:60, 0] = False
@@ -189,6 +191,7 @@ def test_a_broken_motion_is_marked_in_every_format(robot: MotionRobot, motion: S
             assert b"broken" in b"".join(bad.values()) or ".broken" in bad
 
 
+@pytest.mark.slow
 def test_a_file_becomes_another_at_any_rate_with_a_sheet(robot, motion, folder: Path, tmp_path: Path, capsys) -> None:
     still = Spline(np.tile(robot.home, (63, 1)), 1.0 / 60.0)
     seen = judge(robot, still, standing(robot))

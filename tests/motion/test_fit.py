@@ -87,6 +87,7 @@ def bowing(wrong: str = "") -> HumanMotion:
     return HumanMotion("bowing", 0.01 * np.arange(101), markers=markers)
 
 
+@pytest.mark.slow
 def test_a_bow_is_as_deep_as_it_was(tmp_path: Path) -> None:
     """And the command hands out angles that are read again."""
     markers, fit = bowing().markers, fit_human(bowing())
@@ -111,6 +112,7 @@ def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
     assert refused.value.faults[0].rule == "mirrored"
 
 
+@pytest.mark.slow
 def test_markers_that_are_no_body_in_a_mirror_either_are_refused_once() -> None:
     """Each mirror was refused for its own mirror: the search went on for an hour."""
     bow = bowing()

@@ -38,6 +38,7 @@ def package(path: str, folder: Path) -> Path:
     return urdf
 
 
+@pytest.mark.slow
 def test_an_arm_is_drafted_excited_and_judged_without_a_hand(tmp_path: Path, capsys, monkeypatch) -> None:
     """It was no robot with two feet; its own draft was refused for torques per ampere; `check` asked for soles."""
     monkeypatch.setattr(plan.plan_excitation, "__kwdefaults__", {**plan.plan_excitation.__kwdefaults__,
@@ -94,6 +95,7 @@ def test_joints_without_ends_turn_once_each_way(tmp_path: Path, capsys) -> None:
     assert robot.limits.upper[1] == pytest.approx(5.46288, abs=1e-4)  # as the URDF states
 
 
+@pytest.mark.slow
 def test_meshes_of_a_package_with_an_empty_name_are_no_absolute_paths(tmp_path: Path, capsys) -> None:
     """Talos writes package:///example-robot-data/…: each of sixty meshes was refused."""
     shutil.copy(stock("talos_data/robots/talos_full_v2.urdf"), tmp_path / "talos.urdf")
@@ -152,6 +154,7 @@ def test_a_study_opens_no_mesh_outside_it_however_far_up_its_name_leads(tmp_path
     assert [name for name in names if opened(name) is not None] == []
 
 
+@pytest.mark.slow
 def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path) -> None:
     """iCub's hang against its hips: forearms and hands were never looked at."""
     robot = load_motion_robot(sample_folder(tmp_path))
@@ -171,6 +174,7 @@ def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path)
     assert [pair for pair in Pairs(replace(robot, home=home), 0.01).left_out if "l_hand" in pair] == hidden
 
 
+@pytest.mark.slow
 def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: Path, capsys) -> None:
     """Pairs that are near at home are never looked at: seen in a plan's small print alone."""
     shutil.copy(stock("baxter_description/urdf/baxter.urdf"), tmp_path / "baxter.urdf")

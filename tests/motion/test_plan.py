@@ -167,6 +167,7 @@ def bent(robot: MotionRobot):
     return asked, plan(robot, asked)
 
 
+@pytest.mark.slow
 def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent) -> None:
     asked, planned = bent
     rate = 1000.0
@@ -185,6 +186,7 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent) ->
     assert np.abs(off).max() <= 1.0
 
 
+@pytest.mark.slow
 def test_frame_by_frame_a_fast_bend_tips_over_with_its_feet_where_they_are_asked(robot: MotionRobot) -> None:
     """What it is told to be is what MuJoCo sees; slowly, the same posture by posture is a motion that can be had."""
     fast, told = frame_by_frame(robot, bend(robot, 0.9, 1.2), USUAL, 200.0)
@@ -331,6 +333,7 @@ def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:
     assert judge(robot, alone, asked.place[0], planned=planned).inside.min() < 0.0
 
 
+@pytest.mark.slow
 def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: MotionRobot) -> None:
     asked = bend(robot, 1.3, 3.0)
     planned = plan(robot, asked)
@@ -412,6 +415,7 @@ def weak(robot: MotionRobot, share: float) -> MotionRobot:
     return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))
 
 
+@pytest.mark.slow
 def test_what_keeps_the_trunk_from_its_angle_is_told(robot: MotionRobot) -> None:
     """Of iCub's roll 8.6° were missing, and nothing said that root and chest were as near as they may be."""
     time, still = np.linspace(0.0, 1.0, 61), np.tile(np.eye(3), (61, 1, 1))
@@ -441,6 +445,7 @@ def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: Moti
         assert (at_home(robot, with_margin(narrow.bears + apart)).excess == 0.0) is holds
 
 
+@pytest.mark.slow
 def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_it(robot: MotionRobot, bent) -> None:
     """Straighter knees bear this robot; home they do not, and the plan says so in place of standing aside."""
     asked, planned = bent
@@ -536,6 +541,7 @@ def test_a_broken_bound_is_told_with_its_size_and_by_how_much(robot: MotionRobot
     assert f"125 % of its bound {torque[j]:.4g}" in line
 
 
+@pytest.mark.slow
 def test_a_stretch_whose_rounds_come_no_nearer_is_given_up_and_told(robot: MotionRobot) -> None:
     asked, rounds = bend(robot, 0.9, 1.0), list[Round]()
     impatient = replace(USUAL, patience=1, nearer=0.0)  # no round is near enough
@@ -573,6 +579,7 @@ def written(robot: MotionRobot, bent, tmp_path_factory: pytest.TempPathFactory) 
     return file, judged
 
 
+@pytest.mark.slow
 def test_a_written_plan_is_judged_as_it_was_planned(robot: MotionRobot, written, folder: Path, capsys) -> None:
     file, judged = written
     assert main(["motion", "check", str(file), "--robot", str(folder / "robot.yaml"), "--json"]) == 0
@@ -603,6 +610,7 @@ def with_cell(columns: Columns, name: str, row: int, value: float) -> Columns:
     return columns | {name: changed}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -844,6 +852,7 @@ def test_a_table_of_a_motion_within_its_jerk_is_within_it(robot: MotionRobot, ra
     assert wide.jerk(time) == pytest.approx(6.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "slower"), [(200.0, 1.0), (130.0, 1.0), (1000.0, 1.0), (200.0, 1.7)])
 def test_a_table_with_a_node_on_a_row_is_the_plan_itself(robot: MotionRobot, rate: float, slower: float) -> None:
     """Written at 1 kHz, what was planned on 60 nodes a second and written at 200 Hz took 119 % of its jerk."""
@@ -889,6 +898,7 @@ def test_a_table_of_a_motion_within_its_acceleration_is_within_it(robot: MotionR
     assert wide.acceleration(time) == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_a_table_that_is_written_at_a_finer_rate_tells_by_how_much_its_cubic_swings(
     robot: MotionRobot, folder: Path, tmp_path: Path, capsys
 ) -> None:

@@ -18,6 +18,7 @@ from exogauge.motion.retargeting import again, changed, criteria_of, with_margin
 from exogauge.robots.moving.robot import MotionRobot
 
 
+@pytest.mark.slow
 def test_nothing_is_searched_for_where_home_lacks_a_little(robot: MotionRobot) -> None:
     def weak(share: float) -> MotionRobot:
         return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))
@@ -36,6 +37,7 @@ def test_nothing_is_searched_for_where_home_lacks_a_little(robot: MotionRobot) -
     )  # nor would the search have found any: even standing still lacks it
 
 
+@pytest.mark.slow
 def test_a_slower_motion_is_tried_on_no_more_nodes_than_the_motion_itself(robot: MotionRobot) -> None:
     """Where nothing does, four times the time is tried: four times the nodes would be four times the cost."""
     margin = next(m for m in np.arange(0.1, 0.02, -0.002) if not at_home(robot, with_margin(m)).lacks)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,19 +30,17 @@ DATA = Path(__file__).parents[3] / "shared" / "data"
 
 
 @pytest.fixture
-def captured(tmp_path: Path):
-    def unpacked(name: str) -> Path:
-        folder, _, file = name.partition("/")
-        if not (DATA / folder).is_dir():
-            pytest.skip(f"the capture {folder!r} is not beside the repository (../shared/data/{folder})")
-        packed = DATA / folder / f"{file}.gz"
-        path = tmp_path / file
-        path.write_bytes(
-            gzip.decompress(packed.read_bytes()) if packed.exists() else (DATA / folder / file).read_bytes()
-        )
-        return path
+def captured(tmp_path: Path) -> Callable[[str], Path]:
+    return partial(unpacked, tmp_path)
 
-    return unpacked
+
+def unpacked(into: Path, name: str) -> Path:
+    folder, _, file = name.partition("/")
+    if not (DATA / folder).is_dir():
+        pytest.skip(f"the capture {folder!r} is not beside the repository (../shared/data/{folder})")
+    packed, path = DATA / folder / f"{file}.gz", into / file
+    path.write_bytes(gzip.decompress(packed.read_bytes()) if packed.exists() else (DATA / folder / file).read_bytes())
+    return path
 
 
 @pytest.mark.parametrize(
@@ -111,6 +111,7 @@ def test_forces_are_no_motion(captured, name) -> None:
     assert refused.value.faults[0].rule == "forces"
 
 
+@pytest.mark.slow
 def test_two_formats_of_one_bend_lean_alike(captured) -> None:
     """The BVH is a conversion to other bones, at half the rate."""
     skeleton = captured("cmu_mocap_bend_twist/02.asf")
@@ -133,6 +134,7 @@ def _inclination(motion) -> np.ndarray:
     return np.degrees(np.arccos(way[:, 2] / np.linalg.norm(way, axis=1)))
 
 
+@pytest.mark.slow
 def test_bones_keep_their_length_in_metres(captured) -> None:
     motion = open_motion(captured("cmu_mocap_bend_twist/13_29.amc"), skeleton=captured("cmu_mocap_bend_twist/02.asf"))
     tree = motion.tree

@@ -49,6 +49,7 @@ def preset(name: str, folder: Path) -> Path:
     return folder / "robot.yaml"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(URDF))
 def test_a_known_robot_stands_and_touches_nothing(name: str, tmp_path: Path, capsys) -> None:
     robot = load_motion_robot(preset(name, tmp_path))
@@ -185,6 +186,7 @@ def test_feet_and_elbows_are_found_by_their_short_names(tmp_path: Path) -> None:
     assert not [line for line in told if line.startswith("# !")]
 
 
+@pytest.mark.slow
 def test_a_first_round_that_the_solver_gives_up_by_round_off_is_taken_again_nearer_to_where_it_began(
     tmp_path: Path,
 ) -> None:

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from tests.motion.tables import SEGMENTS, excel, motive, mvnx, nexus, optitrack, plain, qualisys
 from tests.motion.test_reading import LABELS, body
-from tests.motion.test_recorded import captured  # noqa: F401 a fixture
+from tests.motion.test_recorded import unpacked
 
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.contacts import with_contacts
 from exogauge.motion.files import open_motion
+from exogauge.motion.human import Markers
 from exogauge.motion.person import person_of
 
 WRITERS = {
@@ -58,6 +59,13 @@ def _refused(path: Path) -> Fault:
     return fault
 
 
+@pytest.fixture(scope="module")
+def squat(tmp_path_factory: pytest.TempPathFactory) -> Markers:
+    markers = open_motion(unpacked(tmp_path_factory.mktemp("captured"), "mocap_c3d/squat.c3d")).markers
+    assert markers is not None
+    return markers
+
+
 @pytest.mark.parametrize("name", list(WRITERS))
 def test_a_motion_comes_back_from_every_table(tmp_path: Path, name: str) -> None:
     there = body(40)
@@ -71,17 +79,15 @@ def test_a_motion_comes_back_from_every_table(tmp_path: Path, name: str) -> None
 
 
 @pytest.mark.parametrize("name", list(WRITERS))
-def test_what_was_recorded_is_the_same_in_every_table(captured, tmp_path: Path, name: str) -> None:  # noqa: F811
+def test_what_was_recorded_is_the_same_in_every_table(squat: Markers, tmp_path: Path, name: str) -> None:
     """The markers of a C3D file, its gaps, feet and sides."""
-    there = open_motion(captured("mocap_c3d/squat.c3d"))
-    assert there.markers is not None
-    kept = [k for k, label in enumerate(there.markers.labels) if label in there.markers.segment]
-    labels, points = tuple(there.markers.labels[k] for k in kept), there.markers.position[:600, kept]
+    kept = [k for k, label in enumerate(squat.labels) if label in squat.segment]
+    labels, points = tuple(squat.labels[k] for k in kept), squat.position[:600, kept]
     motion = with_contacts(open_motion(_file(tmp_path, name, WRITERS[name](points, labels))))
     assert motion.markers is not None
-    assert motion.markers.segment == {label: there.markers.segment[label] for label in labels}
+    assert motion.markers.segment == {label: squat.segment[label] for label in labels}
     order = [motion.markers.labels.index(label) for label in labels]
-    assert motion.markers.position[:, order] == pytest.approx(points, abs=1e-6, nan_ok=True)
+    np.testing.assert_allclose(motion.markers.position[:, order], points, rtol=0.0, atol=1e-6)
     assert motion.contacts is not None
 
 
@@ -306,6 +312,7 @@ def test_an_mvnx_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> None
         assert column is None or fault.column == column
 
 
+@pytest.mark.slow
 def test_damaged_tables_never_end_in_a_traceback(tmp_path: Path) -> None:
     rng, faults = np.random.default_rng(7), list[Fault]()
     writers: dict[str, Callable[[], str]] = {name: lambda name=name: WRITERS[name](body(), LABELS) for name in WRITERS}  # type: ignore[misc]

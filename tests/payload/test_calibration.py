@@ -42,6 +42,7 @@ def test_a_gain_that_all_axes_share_is_a_doubt_of_the_same_share_of_the_body_and
     assert told == pytest.approx(exact.std)  # what the sensor reads is foretold as well as ever
 
 
+@pytest.mark.slow
 def test_an_exact_sensor_adds_no_doubt_and_is_told_apart_from_one_of_which_nobody_says_anything(tmp_path: Path) -> None:
     foreign.write(tmp_path, 3, seconds=8.0, tests=False)
     usual = results(evaluated(tmp_path))
@@ -137,6 +138,7 @@ def as_contact(folder: Path) -> None:
     file.write_text(file.read_text(encoding="utf-8").replace("role: test", "role: contact"), encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_zero_that_moved_before_a_log_of_contact_is_no_contact_or_is_asked_for(moving: bool, tmp_path: Path) -> None:
     zero = np.array([2.5, -1.5, 2.0, 0.05, -0.04, 0.03])

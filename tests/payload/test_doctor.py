@@ -145,6 +145,7 @@ def test_a_late_wrench_is_found_with_its_delay(late: int) -> None:
         assert found[0].value == pytest.approx(late / 250.0, abs=0.002)
 
 
+@pytest.mark.slow
 def test_the_command_says_what_it_found_and_ends_with_1_for_an_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

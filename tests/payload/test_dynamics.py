@@ -119,6 +119,7 @@ def errors(seeds: Sequence[int], density: float | None, method: str) -> Array:
 SEEDS = range(6)
 
 
+@pytest.mark.slow
 def test_the_payload_comes_back_within_the_bounds_and_intervals_hold() -> None:
     error = errors(SEEDS, None, "gtls")
     rms = np.sqrt(np.mean(error**2, axis=0))
@@ -137,6 +138,7 @@ def test_tilt_and_zero_come_back_from_the_postures() -> None:
     assert np.sqrt(np.mean(tilt**2, axis=0)).max() <= 0.005
 
 
+@pytest.mark.slow
 def test_gtls_takes_the_bias_off_that_noisy_kinematics_leave() -> None:
     gtls, ls, tls = (errors(SEEDS, 1e3, method)[:, [0, 3, 4]] for method in ("gtls", "ls", "tls"))
     chance = 3.0 * gtls.std(axis=0) / np.sqrt(len(SEEDS))
@@ -204,6 +206,7 @@ def test_tools_of_another_simulation_come_back_to_the_last_digits(name: str) -> 
     assert np.abs(found.value[10:]).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not TOOLS.is_dir(), reason="no recordings beside the repository")
 @pytest.mark.parametrize("level", ["low", "moderate", "high"])
 def test_tools_with_the_noise_of_who_published_them_are_told_with_their_doubt(level: str) -> None:
@@ -251,6 +254,7 @@ def test_an_impossible_payload_is_replaced_by_the_likeliest_possible_one() -> No
     assert np.linalg.eigvalsh(J).min() > 0
 
 
+@pytest.mark.slow
 def test_the_doubt_of_the_inclination_is_in_that_of_the_motion() -> None:
     """Few, noisy postures and a quiet motion: without it, what motion says would be too sure of itself."""
     motion, phi = case(0).motion().inner().rows(slice(None, None, 5)), case(0).phi
@@ -273,6 +277,7 @@ def test_the_doubt_of_the_inclination_is_in_that_of_the_motion() -> None:
     assert np.sqrt(np.mean(without)) > 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.5, 0.9])
 def test_intervals_of_coloured_noise_hold_though_its_sum_over_lags_is_by_chance(memory: float) -> None:
     """Of a log of 24 s, 0.90 of them held."""

@@ -75,6 +75,7 @@ def found(evaluation: Evaluation) -> PayloadResults:
     return results(evaluation)
 
 
+@pytest.mark.slow
 def test_the_command_writes_results_that_keep_their_schema(
     sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +89,7 @@ def test_the_command_writes_results_that_keep_their_schema(
     assert "inclination taken" in told
 
 
+@pytest.mark.slow
 def test_what_is_identified_is_the_truth_within_its_interval(sample: Path, found: PayloadResults) -> None:
     truth = json.loads((sample / "truth.json").read_text())
     assert found.dynamic is not None
@@ -188,6 +190,7 @@ def test_44_takes_a_mass_error_off_up_to_sixty_degrees_and_makes_it_worse_beyond
     assert np.array_equal(size <= 0.1 * 9.81 + 1e-9, helps)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (SHARED / "kuka_ft_payload").is_dir(), reason="no recordings beside the repository")
 def test_a_real_run_with_three_clocks_and_an_imu_of_unknown_axes(tmp_path: Path) -> None:
     for path in (SHARED / "kuka_ft_payload").glob("*.csv"):
@@ -279,6 +282,7 @@ def of_two_clocks(content: dict[str, Any], folder: Path) -> None:
         entry["file"] = [entry["file"].replace(".parquet", f".{part}.parquet") for part in ("wrench", "pose")]
 
 
+@pytest.mark.slow
 def test_pose_and_wrench_of_two_clocks_and_rates_are_as_good_as_of_one(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "two"
     shutil.copytree(sample, folder)
@@ -305,6 +309,7 @@ def postures_alone(folder: Path) -> None:
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
 
 
+@pytest.mark.slow
 def test_an_identification_says_at_which_stage_it_is(tmp_path: Path) -> None:
     said: list[tuple[float, str, Stage]] = []
     foreign.write(tmp_path, 1, seconds=6.0)
@@ -321,6 +326,7 @@ def test_an_identification_says_at_which_stage_it_is(tmp_path: Path) -> None:
     assert {stage for _, _, stage in said} == {Stage.READING, Stage.POSTURES, Stage.WRITING}
 
 
+@pytest.mark.slow
 def test_logs_of_one_name_are_all_told_and_one_log_twice_is_refused(
     sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -509,6 +515,7 @@ def test_bad_input_is_refused_with_advice(
     assert "Traceback" not in told
 
 
+@pytest.mark.slow
 def test_a_wrench_wholly_in_another_unit_is_told_where_it_was_weighed(sample: Path, tmp_path: Path) -> None:
     """kgf and kgf·m read as N and N·m: forces and moments agree, and the weighed mass alone tells."""
     folder = tmp_path / "bad"
@@ -518,6 +525,7 @@ def test_a_wrench_wholly_in_another_unit_is_told_where_it_was_weighed(sample: Pa
     assert sum("force_unit" in each for each in warnings) == 1
 
 
+@pytest.mark.slow
 def test_a_cut_off_channel_is_told_with_the_results(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "bad"
     shutil.copytree(sample, folder)
@@ -529,6 +537,7 @@ def test_a_cut_off_channel_is_told_with_the_results(sample: Path, tmp_path: Path
     assert values[row - 1] >= limit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("posture", [0, 7])
 def test_a_posture_that_was_touched_is_left_out_and_told(
     sample: Path, evaluation: Evaluation, tmp_path: Path, posture: int
@@ -606,6 +615,7 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
     assert evaluation.stages.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
 
 
+@pytest.mark.slow
 def test_what_decided_stands_in_the_results_and_other_numbers_decide_otherwise(
     sample: Path, found: PayloadResults
 ) -> None:

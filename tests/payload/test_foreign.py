@@ -294,6 +294,7 @@ def test_three_postures_do_and_a_dead_channel_is_told(tmp_path: Path) -> None:
     assert [each for each in evaluated(tmp_path).warnings if "'FT_Z'" in each and "all" in each]
 
 
+@pytest.mark.slow
 def test_a_wrench_in_another_unit_is_asked_for_where_its_noise_is_too_small(tmp_path: Path) -> None:
     foreign.write(tmp_path, 8, spoil=foreign.wrench(lambda w: w / 9.80665))
     assert [each for each in evaluated(tmp_path).warnings if "kgf" in each]
@@ -364,6 +365,7 @@ def test_postures_alone_tell_a_unit_by_what_a_wrench_scatters_at_rest(first: int
 RATED = "  range: {force_n: [400, 400, 800], moment_nm: [40, 40, 40]}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rated", "mass", "rule"), [(True, None, "beyond_range"), (False, 6.0, "no_such_mass")])
 def test_all_in_thousandths_is_refused_with_the_unit_where_no_sensor_or_no_arm_bears_it(
     rated: bool, mass: float | None, rule: str, tmp_path: Path

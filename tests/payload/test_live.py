@@ -96,6 +96,7 @@ def test_a_logged_pose_is_smoothed_like_one_in_a_log() -> None:
     assert motion.noise.shape == (len(settled), 9, 18)
 
 
+@pytest.mark.slow
 def test_what_comes_out_does_not_depend_on_how_many_came_at_once() -> None:
     _, one, known = excited(0)
     other, known_other = run(Live(start(0)), *case(0).excitation, sizes=(3, 100, 1, 26))
@@ -122,6 +123,7 @@ def test_after_ten_seconds_the_recursion_is_the_batch(seed: int) -> None:
     assert live.fit.recursion.value == pytest.approx(told.value, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_payload_comes_back_and_intervals_hold() -> None:
     seeds = range(8)
     found = [excited(seed)[2][-1].estimate for seed in seeds]
@@ -273,6 +275,7 @@ def test_a_secondary_zero_is_refused_where_something_touches() -> None:
     assert np.array_equal(external, np.ones((200, 6)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", [0.05, 0.1, 0.3])
 def test_a_joint_that_starts_to_move_is_no_contact(way: float) -> None:
     """After a second at rest, in which it was filtered as one that hardly moves, of all joints in turn."""

@@ -61,6 +61,7 @@ def test_excitation_is_written_with_what_it_will_tell(tmp_path: Path) -> None:
         assert np.gradient(table[f"q.{name}"], table["t"])[1:-1] == pytest.approx(table[f"dq.{name}"][1:-1], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_postures_about_one_axis_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["payload", "postures", str(written(tmp_path, joints=["a6"])), "--out", str(tmp_path / "out")]) != 0
     assert "postures decide" in capsys.readouterr().err

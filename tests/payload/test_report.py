@@ -44,6 +44,7 @@ def test_what_is_not_decided_is_said_first(tmp_path: Path) -> None:
         assert "Not decided by these data: Ixx, Ixy, Iyy, Ixz, Iyz, Izz." in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["<script>alert(1)</script>", "長" * 300, "a\u202eb\nc"])
 def test_the_sheet_is_one_sheet_with_any_name_and_any_number_of_logs(name: str, tmp_path: Path) -> None:
     figures = FigureResults(first=(1, 1), mean=(2, 2), std=(3, 3), axes=[[1.0] * 6] * 3, rms=[1.0] * 6, most=[1.0] * 6)

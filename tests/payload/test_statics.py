@@ -119,6 +119,7 @@ def test_a_further_posture_makes_everything_surer_by_no_more_than_it_can() -> No
     assert std[0] > found.std[0] / 2
 
 
+@pytest.mark.slow
 def test_intervals_hold_and_the_leave_one_out_error_is_the_noise() -> None:
     rng = np.random.default_rng(5)
     hits, errors = [], []

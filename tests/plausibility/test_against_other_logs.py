@@ -57,6 +57,7 @@ def test_of_many_logs_those_that_a_robot_is_identified_from_are_looked_at_first(
     assert {(log, each.channel, each.rule) for log, each in found} == {("log_3", "i.j2", "effort_reversed")}
 
 
+@pytest.mark.slow
 def test_another_recordings_efforts_are_told_of_their_log_alone(robot: Robot, logs: Logs) -> None:  # noqa: F811
     """Six slips of no use were found, and nothing was said; or all logs were blamed for what one of them leaves."""
     names = [name for name in logs[1] if name.startswith("i.")]
@@ -106,6 +107,7 @@ def test_a_sign_that_other_bodies_would_explain_is_named_all_the_same(tmp_path: 
     assert told(robot, light) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("part", "every"), [(1.0, True), (1.0, False), (0.5, False)])
 def test_a_position_that_stays_while_others_bear_its_motion_is_named(tmp_path: Path, part: float, every: bool) -> None:
     """The joint itself says nothing, as by its position it does not move; that of its neighbours is no slip of them."""

@@ -27,6 +27,7 @@ def said(robot: Robot, logs: list[Log]) -> list[tuple[str, str, str]]:  # noqa: 
     return [(log, each.channel, each.rule) for log, each in examine_against_robot(robot, logs)]
 
 
+@pytest.mark.slow
 def test_feet_that_are_exchanged_are_named_and_nothing_else(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
     found = said(robot, [exchanged(each) for each in logs])
     assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
@@ -131,6 +132,7 @@ def test_a_foot_in_the_air_throughout_is_none_that_is_half_measured(robot: Robot
     assert all(each.rule != "wrench_incomplete" for _, each in found)
 
 
+@pytest.mark.slow
 def test_a_reversed_accelerometer_is_no_reversal_of_both_feet(robot: Robot) -> None:  # noqa: F811
     """Of a body that moves slowly moments do not tell the two apart; the weight does. Feet and joints were blamed."""
     log = record(4, 0.0, 0.0, slower=4.0)

@@ -100,6 +100,7 @@ def test_a_slip_in_one_log_is_told_of_that_log_only(robot: Robot, logs: list[dic
     assert {(log, finding.channel, finding.rule) for log, finding in found} == {("log_1", "i.j2", "effort_reversed")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("floating", [False, True], indirect=True)
 def test_friction_that_is_a_spring_after_every_turn_is_no_slip(robot: Robot, floating: bool) -> None:
     """Gears creep before they slide: on small motions half of an effort is unlike gravity, inertia and friction."""
@@ -171,6 +172,7 @@ def test_a_current_that_lost_its_sign_is_told(robot: Robot, logs: list[dict[str,
     assert "effort_scale" not in {each.rule for each in found}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [8.0, -15.0, 40.0])
 def test_an_encoder_that_was_zeroed_elsewhere_is_told_with_its_angle(
     robot: Robot, logs: list[dict[str, np.ndarray]], degrees: float
@@ -185,6 +187,7 @@ def test_an_encoder_that_was_zeroed_elsewhere_is_told_with_its_angle(
         assert np.degrees(each.value or 0.0) == pytest.approx(degrees, abs=2.5)
 
 
+@pytest.mark.slow
 def test_the_doctor_says_first_what_the_robot_contradicts(
     floating: bool, logs: list[dict[str, np.ndarray]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

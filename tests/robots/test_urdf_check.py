@@ -127,6 +127,7 @@ def _in_other_units(urdf: bytes, mass: float, inertia: float) -> bytes:
 STOCK = sorted(path for path in ROBOTS.rglob("*.urdf") if "<mass" in path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not STOCK, reason="no URDFs of example-robot-data are installed")
 def test_units_that_are_not_si_are_told_of_every_stock_robot_and_of_none_as_it_is():
     """Masses in g with inertias in g·m², inertias in kg·mm², both as CAD programs write them (g, g·mm²)."""

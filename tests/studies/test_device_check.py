@@ -139,6 +139,7 @@ def test_the_command_checks_a_file_and_draws_it(folder: Path, capsys: pytest.Cap
     assert "fixed to BODY" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_command_reads_a_log_of_the_study(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "suit.yaml").write_text(SUIT)
     for log in ("val_1", str(folder / "logs/val_1.parquet")):

@@ -19,6 +19,7 @@ from exogauge.studies.series.recorded_motion import read_logged
 Rewrite = Callable[[str, str, str], Path]
 
 
+@pytest.mark.slow
 def test_a_study_becomes_results_with_growing_progress(folder: Path, tmp_path: Path) -> None:
     seen: list[tuple[float, str, Stage]] = []
     evaluate(folder / "study.yaml", tmp_path / "out", lambda *said: seen.append(said))
@@ -62,6 +63,7 @@ def test_a_recording_with_a_gap_is_evaluated_in_parts_named_by_their_rows(
     assert shown.log.samples == 600
 
 
+@pytest.mark.slow
 def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -> None:
     def stop(fraction: float, *_: str) -> None:
         if fraction > 0.1:
@@ -72,6 +74,7 @@ def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -
     assert not (tmp_path / "out" / "results.json").exists()
 
 
+@pytest.mark.slow
 def test_a_bad_log_is_told_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
     (folder / "logs" / "val_1.parquet").write_bytes(b"PAR1 no")
     with pytest.raises(BadLog) as caught:

@@ -59,6 +59,7 @@ def test_who_cancels_is_obeyed_inside_a_step_too() -> None:
     assert not failed
 
 
+@pytest.mark.slow
 def test_a_robot_whose_torques_nobody_logs_is_searched_for_missing_effects_too(
     folder: Path, tmp_path: Path, rewrite: Rewrite
 ) -> None:
@@ -82,6 +83,7 @@ def test_an_older_result_does_not_outlive_a_study_that_cannot_be_opened(folder: 
     assert [each.name for each in out.iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("step_s", "rows", "rule"),
     [(5.0, None, "rate_impossible"), (120.0, None, "rate_impossible"), (5e-6, None, "rate_impossible"),

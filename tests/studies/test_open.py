@@ -218,6 +218,7 @@ def test_one_file_is_split_into_fitted_and_held_out_rows(rewrite: Rewrite) -> No
     assert second.log.time[0] == pytest.approx(1.5)
 
 
+@pytest.mark.slow
 def test_a_zip_gives_the_same_recordings(folder: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "s.zip", "w") as archive:
         for each in folder.rglob("*.*"):
@@ -242,6 +243,7 @@ def test_a_missing_column_is_named_for_every_log(folder: Path, log_writer: Calla
     ]
 
 
+@pytest.mark.slow
 def test_damaged_logs_are_all_named_at_once(folder: Path) -> None:
     for name in ("id_1", "val_1"):
         path = folder / "logs" / f"{name}.parquet"

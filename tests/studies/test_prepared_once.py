@@ -12,6 +12,7 @@ from exogauge.identification import bandwidth, identify, model, preparation
 from exogauge.studies.evaluate import evaluate
 
 
+@pytest.mark.slow
 def test_no_log_is_prepared_twice_alike_where_there_is_room(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

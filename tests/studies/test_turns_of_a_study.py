@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from tests.whole_service import small_study
 
 from exogauge.studies.intake.open import open_study, read_recordings
@@ -23,6 +24,7 @@ def written(folder: Path, anew: bool) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_angles_that_begin_anew_are_read_as_one_course_and_told(tmp_path: Path) -> None:
     found = {}
     for anew in (False, True):

@@ -59,6 +59,7 @@ def moved(biped, model, direction, size):
     return replace(model, identified=Parameters(model.identified.phi + phi, model.identified.xi + xi)), x
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("approach", ["A", "B"])
 def test_doubt_of_the_robots_parameters_reaches_the_bands_as_the_estimate_follows_them(biped, suit, logs, approach):
     """Their covariance along one random direction; the estimate moved along it, by so little that the joints keep
@@ -80,6 +81,7 @@ def test_doubt_of_the_robots_parameters_reaches_the_bands_as_the_estimate_follow
     assert std[0] > 10.0
 
 
+@pytest.mark.slow
 def test_what_a_model_lacks_in_logs_without_the_device_counts_as_doubt_of_b(biped, suit, stoop, wander):
     """Friction that no model knows, in both runs: B's stiffness is wrong by it, and says so; A takes it off."""
 

@@ -44,6 +44,7 @@ def failed(found):
     return {each.check for each in found.cross_checks if not each.agrees}
 
 
+@pytest.mark.slow
 def test_where_nothing_is_wrong_no_check_fails_and_z_is_of_unit_size(checked, suit):
     z = []
     for seed in range(20):

@@ -25,6 +25,7 @@ def wandering(biped, suit, wander):
     return run
 
 
+@pytest.mark.slow
 def test_an_offset_that_may_be_wrong_makes_the_mean_of_b_wrong_by_as_much_and_that_of_a_not_at_all(
     biped, suit, wander, wandering
 ):
@@ -46,6 +47,7 @@ def test_an_offset_that_may_be_wrong_makes_the_mean_of_b_wrong_by_as_much_and_th
         assert joint.by["a"].mean.std < 0.1 * OFFSET_STD
 
 
+@pytest.mark.slow
 def test_trials_that_differ_make_the_doubt_of_their_mean(biped, suit, wander, wandering):
     """Bands that pull by a fifth more in one of three trials: the standard error of a mean of three."""
     stronger = tuple(replace(band, stiffness=1.2 * band.stiffness) for band in suit.bands)
@@ -64,6 +66,7 @@ def test_trials_that_differ_make_the_doubt_of_their_mean(biped, suit, wander, wa
             assert joint.by[name].mean.std == pytest.approx(apart / np.sqrt(3.0), rel=0.1)
 
 
+@pytest.mark.slow
 def test_with_one_run_without_the_device_a_is_doubted_for_the_errors_of_two_runs(
     biped, suit, wander, wandering, low_passed, inner
 ):

@@ -62,6 +62,7 @@ def found(model, plain, worn, started=STARTS):
     return find_drift(model, plain, [each.log for each in worn], balances, started)
 
 
+@pytest.mark.slow
 def test_a_drift_that_is_known_is_taken_off_to_the_last_digit(biped, clean):
     model, share = biped.known(), SIZE * EACH
     log = clean["worn1"]
@@ -143,6 +144,7 @@ def warmed(biped, suit, stoop):
 RUBS = Declared(kt_drift=SIZE, viscous_drift=0.1, coulomb_drift=0.05)
 
 
+@pytest.mark.slow
 def test_drives_that_rub_less_as_they_warm_are_told_from_motors_that_give_more(biped, warmed, suit):
     model = replace(biped, robot=replace(biped.robot, declared=RUBS)).known()
     plain = [PlainLog(warmed[name], "stoop", name != "fit") for name in STARTS if "worn" not in name]
@@ -159,6 +161,7 @@ def test_drives_that_rub_less_as_they_warm_are_told_from_motors_that_give_more(b
         assert abs(told[pitch, 0]) < 0.1 * SIZE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("untold", ["fit", "worn2", "after1"])
 def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clean, suit, untold):
     plain, worn = asked(clean, suit, -1.0)
@@ -178,6 +181,7 @@ def test_runs_without_the_device_alone_leave_all_that_is_declared_in_doubt(model
     np.testing.assert_allclose(drift.std, SIZE, rtol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_stiffness_is_that_of_motors_that_stay_as_they_are_and_is_doubted_less(model, clean, suit, sign):
     unknown = replace(suit, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in suit.bands))
@@ -194,6 +198,7 @@ def test_the_stiffness_is_that_of_motors_that_stay_as_they_are_and_is_doubted_le
         assert off < 0.5 * abs(today[approach].value - steady[approach].value)
 
 
+@pytest.mark.slow
 def test_a_share_in_between_is_doubted_as_it_errs():
     """Motors of any time constant that is believed in, seen before and after with some error: errors over their
     doubt."""

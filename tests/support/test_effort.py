@@ -61,6 +61,7 @@ def test_a_motor_that_drifts_moves_them_as_far_as_their_part_says(told, logs, fo
     assert getattr(found["b"], quantity).parts["kt_drift"] == pytest.approx(abs(moved), rel=within)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["peak", "mean"])
 def test_what_both_runs_drift_alike_acts_on_their_difference_once(told, logs, found, quantity):
     """Motors of the run with the device, of the one without it, and of both alike."""
@@ -84,6 +85,7 @@ def test_what_has_no_doubt_has_no_parts(found):
     assert not found["prior"].mean.parts
 
 
+@pytest.mark.slow
 def test_a_peak_of_what_the_model_lacks_at_one_moment_is_as_doubtful_as_it_is_large(biped, suit, wander):
     """The same torque of 3 N·m for half a second in every run, and a device that does not pull: B has it for a peak."""
     model, time = biped.known(), wander(1).time

@@ -39,6 +39,7 @@ def known(log):
     return replace(log, stored=StoredPass(BAND))
 
 
+@pytest.mark.slow
 def test_approach_b_meets_the_truth_where_it_says_that_it_holds(biped, suit, recorded, inner):
     plain, worn, true = recorded
     places = biped.places("torso_pitch", "torso_yaw")
@@ -52,6 +53,7 @@ def test_approach_b_meets_the_truth_where_it_says_that_it_holds(biped, suit, rec
     assert worst["as if not"] > 0.1
 
 
+@pytest.mark.slow
 def test_bands_come_out_right_by_both_approaches(biped, suit, recorded):
     plain, worn, _ = recorded
     alike, as_if_not = (support(biped, suit, *logs)[1] for logs in ((known(plain), known(worn)), (plain, worn)))
@@ -65,6 +67,7 @@ def test_bands_come_out_right_by_both_approaches(biped, suit, recorded):
     assert errors["alike", "B"] < errors["as if not", "B"]
 
 
+@pytest.mark.slow
 def test_it_is_said_which_logs_were_stored_so_and_which_were_not(biped, suit, recorded):
     plain, worn, _ = recorded
     both, one, none = (

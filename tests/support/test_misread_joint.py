@@ -26,6 +26,7 @@ def misread(q, name):
     return read
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SIZES)
 def test_bands_run_where_the_links_are(biped, suit, stoop, inner, name):
     joint = biped.torso[1]

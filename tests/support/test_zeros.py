@@ -80,6 +80,7 @@ def asked(robot, clean, suit, end, weight=0.0):
     return plain, [WornLog(spoilt[name], "stoop", suit) for name in STARTS if "worn" in name]
 
 
+@pytest.mark.slow
 def test_zeros_that_are_known_are_taken_off_to_the_last_digit(biped, clean, end):
     model, log = biped.known(), clean["worn1"]
     zeros = Zeros({log.name: 0}, np.ones((1, 1)), end[None], np.zeros((1, 12, 1)))
@@ -156,6 +157,7 @@ def test_with_no_run_before_and_after_all_that_is_declared_stays_in_doubt(model,
     np.testing.assert_allclose(last, SIZE * course, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_the_stiffness_is_that_of_feet_that_stay_as_they_are_and_is_doubted_less_for_what_is_known(
     model, clean, suit, end
 ):

@@ -53,7 +53,7 @@ from exogauge.api.metrics import OfInstallation
 from exogauge.api.observed import Measures, Observed, quiet
 from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
-from exogauge.api.routing import Router
+from exogauge.api.routing import PREFIX, Router
 from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
@@ -64,7 +64,6 @@ from exogauge.storage.store import Installation, open_installation
 from exogauge.upkeep.hourly import Housekeeping
 from exogauge.upkeep.postman import Postman
 
-PREFIX = "/api/v1"
 ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
 
 
@@ -147,11 +146,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         publications.router,
         published.router,
         webhooks.router,
+        health.router,
+        metrics.router,
+        page.router,
     ):
-        app.include_router(router, prefix=PREFIX)
-    app.include_router(health.router)
-    app.include_router(metrics.router)
-    app.include_router(page.router)
+        app.router.routes.extend(router.routes)
     return app
 
 

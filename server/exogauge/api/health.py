@@ -16,7 +16,7 @@ from exogauge.errors import Unavailable
 from exogauge.storage.store import Installation
 
 log = logging.getLogger(__name__)
-router = Router(tags=["health"])
+router = Router(root="", tags=["health"])
 
 
 @final

@@ -22,7 +22,7 @@ from exogauge.storage.database import database_now
 from exogauge.storage.store import Installation
 from exogauge.storage.tables import STATES, Job, LiveStream
 
-router = Router(tags=["health"])
+router = Router(root="", tags=["health"])
 LOSSES = ("corrupt", "missing", "sizes", "broken")
 
 

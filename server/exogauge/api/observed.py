@@ -15,6 +15,7 @@ from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from exogauge.api.routing import PREFIX
 from exogauge.logbook import request_id
 
 log = logging.getLogger(__name__)
@@ -78,7 +79,7 @@ class Observed:
     def _tell(self, scope: Scope, status: int, seconds: float) -> None:
         """status: 0 where the line broke before an answer began."""
         method = scope["method"] if scope["method"] in ("GET", "POST", "PUT", "PATCH", "DELETE", "HEAD") else "other"
-        route = getattr(scope.get("route"), "path", "none")
+        route = getattr(scope.get("route"), "path", "none").removeprefix(PREFIX)
         self.measures.requests.labels(method, route, str(status)).inc()
         self.measures.seconds.labels(method, route).observe(seconds)
         if not quiet(scope):

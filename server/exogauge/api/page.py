@@ -23,7 +23,7 @@ from exogauge.api.dependencies import SettingsDep
 from exogauge.api.routing import Router
 from exogauge.settings import Settings, packaged_folder
 
-router = Router(include_in_schema=False)
+router = Router(root="", include_in_schema=False)
 
 PLACES = (  # the first part of a page's address
     "", "studies", "import", "robots", "devices", "payloads", "motions", "plans", "compare",

@@ -1,7 +1,8 @@
 """Routers of the service: what an endpoint does with the store happens in one thread, from its first statement to the
 commit. As a dependency of the framework's the transaction would begin in one thread and end in another, and for an
 endpoint that is no coroutine the framework goes to a thread once more, to look at what it answered: each hand-over
-costs more than most statements."""
+costs more than most statements. Routes stand at their whole path from the start: included below a prefix, each would
+be made a second time for every app."""
 
 from __future__ import annotations
 
@@ -15,10 +16,16 @@ from starlette.concurrency import run_in_threadpool
 
 from exogauge.storage.store import Store, whole
 
+PREFIX = "/api/v1"
+
 
 @final
 class Router(APIRouter):
-    """A `store` that an endpoint asks for is its transaction (`storage.store.whole`)."""
+    """A `store` that an endpoint asks for is its transaction (`storage.store.whole`). root: below which its paths
+    are."""
+
+    def __init__(self, *, root: str = PREFIX, prefix: str = "", **options: Any) -> None:
+        super().__init__(prefix=root + prefix, **options)
 
     def add_api_route(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
         super().add_api_route(path, in_one_transaction(endpoint), **options)

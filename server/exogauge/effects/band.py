@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import ClassVar, Literal, Protocol, final
 
@@ -92,7 +93,7 @@ class BandSignals:
     segment_length: Array | None = None
     wrap: Array | None = None
 
-    @property
+    @cached_property
     def taut(self) -> Array:
         """(T,) 1 where the band pulls, 0 where it is slack; it comes up within one sample's way, so that the moment
         moves with the natural length, and a fit can follow it."""

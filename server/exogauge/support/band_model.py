@@ -104,12 +104,12 @@ class Wear:
     declared: tuple[Added, ...] = ()
     added: tuple[Added, ...] = ()
 
-    @property
+    @cached_property
     def k(self) -> Array:
         """(W,) [N/m]"""
         return np.asarray(self.springs[self.layout.stiffness])
 
-    @property
+    @cached_property
     def l_0(self) -> Array:
         """(W,) [m]"""
         return np.asarray(self.springs[self.layout.natural_length])

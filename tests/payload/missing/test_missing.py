@@ -188,6 +188,7 @@ def test_a_body_that_hangs_loose_is_named_or_unexplained_and_its_size_not_told_w
         assert np.all(np.abs(off(each, truth | dict(zip("xyz", truth["point"], strict=True)))) < ALLOWED)
 
 
+@pytest.mark.slow
 def test_of_an_exact_wrench_nothing_is_missing(tmp_path, monkeypatch):
     """No noise at all: what rounding and smoothing leave is less than any sensor's."""
     from exogauge.synthetic import payload as generator
@@ -199,6 +200,7 @@ def test_of_an_exact_wrench_nothing_is_missing(tmp_path, monkeypatch):
     assert all(np.isfinite(each).all() for each in missing.after.values())
 
 
+@pytest.mark.slow
 def test_without_a_log_that_was_kept_from_the_fit_nothing_is_called_nothing(tmp_path):
     write_payload_sample(tmp_path / "p", 3)
     file = tmp_path / "p" / "payload.yaml"

@@ -58,6 +58,7 @@ def section(html: str) -> str:
     return found.group()
 
 
+@pytest.mark.slow
 def test_the_first_sentence_names_the_effect(report: str) -> None:
     header = words(report[report.index("<header>") : report.index("</header>")])
     assert header.index("does not know of 2 effects: Stribeck friction at torso_pitch") < header.index(
@@ -90,6 +91,7 @@ def test_every_finding_stands_with_evidence_numbers_and_rivals(report: str, disc
     assert "Nothing among what was tried." in text  # the payload has no look-alike
 
 
+@pytest.mark.slow
 def test_a_device_that_it_hardly_changes_is_folded(render: Render, one: Discrepancy) -> None:
     same = Estimate(0.092, 0.0, "N·m")
     text = words(
@@ -119,6 +121,7 @@ def test_what_is_left_what_changed_and_where_it_came_from(report: str) -> None:
     assert "too little steady motion that was not fitted" in text
 
 
+@pytest.mark.slow
 def test_a_candidate_rejected_in_every_round_is_listed_once(render: Render, discrepancy: Discrepancy) -> None:
     again = tuple(dataclasses.replace(each, score=0.5 * each.score) for each in discrepancy.rejected)
     text = words(section(render(dataclasses.replace(discrepancy, rejected=again + discrepancy.rejected))))
@@ -136,6 +139,7 @@ def test_nothing_left_is_said_too(render: Render, one: Discrepancy) -> None:
     assert "With it in the model, all of these torques stand at their noise floors." in words(section(render(one)))
 
 
+@pytest.mark.slow
 def test_without_the_step_there_is_no_such_section(render: Render) -> None:
     html = render(None)
     assert 'id="discrepancy"' not in html

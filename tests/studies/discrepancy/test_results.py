@@ -99,6 +99,7 @@ def test_a_skipped_step_leaves_null_and_its_reason(pristine: Path, identificatio
     assert discrepancy_entry(None) is None
 
 
+@pytest.mark.slow
 def test_the_files_of_an_evaluation_hold_it(
     pristine: Path, identification: Identification, discrepancy: Discrepancy, tmp_path: Path
 ) -> None:

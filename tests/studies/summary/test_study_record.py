@@ -94,6 +94,7 @@ def recorded(folder: Path, found: Identification) -> tuple[StudyRecord, dict]:
     return record, entry
 
 
+@pytest.mark.slow
 def test_every_log_says_what_was_worn(worn: Path, identification: Identification) -> None:
     record, entry = recorded(worn, identification)
     assert {each.log: each.device for each in record.logs} == {
@@ -107,6 +108,7 @@ def test_every_log_says_what_was_worn(worn: Path, identification: Identification
     assert entry["logs"][0]["rate_hz"] == pytest.approx(200.0)
 
 
+@pytest.mark.slow
 def test_values_stand_as_stated_and_what_is_not_stated_is_null(worn: Path, identification: Identification) -> None:
     _, entry = recorded(worn, identification)
     (band,) = entry["devices"][0]["bands"]

@@ -166,6 +166,7 @@ def test_equal_results_give_equal_bytes_at_any_time(made: SummaryPage, content: 
     assert again.html == made.html
 
 
+@pytest.mark.slow
 def test_letters_beyond_latin_print_and_what_the_font_lacks_is_said(content: dict[str, Any]) -> None:
     content["name"] = "Γιάννης τ ± 3° · Łódź Ж"
     content["robot"] = "로봇-1"
@@ -178,6 +179,7 @@ def test_letters_beyond_latin_print_and_what_the_font_lacks_is_said(content: dic
     assert "U+B85C" not in shown(made)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["人型ロボット 1", "人形機器人 1"], ids=["japanese", "chinese"])
 def test_east_asian_names_print_in_every_place(content: dict[str, Any], name: str) -> None:
     made = summary_page(renamed(content, name))
@@ -274,6 +276,7 @@ def test_without_a_wear_there_is_a_page_too(evaluated: Evaluated) -> None:
     assert "RMSE" in shown(made)
 
 
+@pytest.mark.slow
 def test_a_page_that_fits_is_laid_out_once_and_of_several_the_largest_that_fits_is_taken(
     evaluated: Evaluated, content: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -62,6 +62,7 @@ def test_the_first_sentence_is_the_main_result(support: SupportResult, stiffness
     )
 
 
+@pytest.mark.slow
 def test_the_report_opens_with_it_and_keeps_the_synthetic_label(report: str) -> None:
     header = words(report[report.index("<header>") : report.index("</header>")])
     assert header.index("Synthetic data") < header.index("Normal suit (bend): up to") < header.index("were identified")
@@ -69,6 +70,7 @@ def test_the_report_opens_with_it_and_keeps_the_synthetic_label(report: str) -> 
     assert "truth 197.8 N/m, error −1.5 %" in header
 
 
+@pytest.mark.slow
 def test_every_number_of_the_captions_is_that_of_the_results(report: str, support: SupportResult) -> None:
     for view in motion_views(support):
         for row in view.errors:
@@ -103,6 +105,7 @@ def test_without_a_device_there_are_no_such_sections(render: Render) -> None:
     assert "identification of small" in html
 
 
+@pytest.mark.slow
 def test_without_reference_or_band_values_the_report_says_b_alone(render: Render, support: SupportResult) -> None:
     alone = dataclasses.replace(
         support,
@@ -141,6 +144,7 @@ def test_what_the_data_do_not_decide_is_marked_and_said(report: str, stiffness: 
     assert "no bounds" in report
 
 
+@pytest.mark.slow
 def test_markup_in_names_stays_text(render: Render, support: SupportResult) -> None:
     odd = dataclasses.replace(
         support,
@@ -219,6 +223,7 @@ def test_no_object_of_the_code_is_printed(report: str) -> None:
     assert not re.search(r"(?:&lt;|<)[A-Z]\w+\.\w+:|\b[A-Z][A-Za-z]+\((?:\w+=|\))", report)
 
 
+@pytest.mark.slow
 def test_what_the_doubt_of_peak_and_stiffness_is_made_of_stands_with_what_would_make_it_smaller(
     render: Render, support: SupportResult, stiffness: tuple[StiffnessResult, ...]
 ) -> None:
