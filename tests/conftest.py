@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.storage.store import Storage
 
 KINDS = ("sqlite", "postgresql")
-QUICK_S, CPU_S = 2.0, "CPU seconds"  # what takes more than a quarter of it is slow, on a machine that does nothing else
+QUICK_S, CPU_S = 2.0, "CPU seconds"  # what takes more than a sixth of it is slow, where nothing else runs
 LONG = (  # CPU seconds of each: 85 to 30; the last one waits for most of its time
     "motion/test_plan.py", "discrepancy/test_band_effects.py", "support/test_band_doubt.py",
     "motion/test_other_robots.py", "synthetic/test_lab.py", "discrepancy/test_band_limit.py", "upkeep/test_backup.py",

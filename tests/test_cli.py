@@ -97,6 +97,7 @@ def test_a_worker_without_a_schema_says_what_to_run(tmp_path, monkeypatch, capsy
     assert "exogauge migrate" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_port_that_is_taken_is_said_and_not_traced(tmp_path, monkeypatch, capsys):
     import socket
 

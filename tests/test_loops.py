@@ -47,6 +47,7 @@ def test_a_loop_runs_where_what_is_compiled_cannot_be_kept(tmp_path):
     assert said(BEND, NUMBA_CACHE_DIR=str(tmp_path / "file" / "below")) == "True"
 
 
+@pytest.mark.slow
 def test_every_loop_that_others_call_says_for_which_types_it_is_compiled():
     assert int(said(AHEAD)) > 15
 

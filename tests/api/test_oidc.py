@@ -155,6 +155,7 @@ def test_an_invitation_is_taken_up_once_and_makes_the_account_that_it_names(
     assert "only way" in refused.json()["detail"]
 
 
+@pytest.mark.slow
 def test_an_invitation_of_an_address_that_has_an_account_is_not_taken_over(
     go: Go, browser: TestClient, people: People
 ) -> None:

@@ -34,6 +34,7 @@ def uploaded(client: TestClient) -> Callable[[str, bytes], str]:
     return send
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_urdf_tells_its_joints_and_frames_and_a_log_its_columns(
     client: TestClient, uploaded: Callable[[str, bytes], str]

@@ -229,6 +229,7 @@ def identified(client: TestClient, stored: dict[str, Any], tmp_path: Path) -> st
     return key
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_results_and_exports_are_those_of_the_latest_job(client: TestClient, identified: str) -> None:
     results = client.get(f"{V1}/payloads/{identified}/results")

@@ -20,6 +20,7 @@ def robot(client: TestClient, robot_files: dict[str, bytes], as_form: AsForm) ->
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_one_robot_tells_its_joints_limits_and_where_its_links_are(robot: dict[str, Any]) -> None:
     model = robot["summary"]["model"]
@@ -35,12 +36,14 @@ def test_one_robot_tells_its_joints_limits_and_where_its_links_are(robot: dict[s
     assert (arm["joint"], arm["mass_kg"], arm["centre"]) == ("elbow", 2.0, [0.0, 0.0, 0.1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_a_list_of_robots_leaves_the_model_out(client: TestClient, robot: dict[str, Any]) -> None:
     listed = client.get(f"{V1}/robots").json()["items"][0]
     assert listed["summary"] == {key: value for key, value in robot["summary"].items() if key != "model"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_a_robots_files_come_back_byte_for_byte(
     client: TestClient, robot: dict[str, Any], robot_files: dict[str, bytes]

@@ -110,6 +110,7 @@ def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
     assert names == [f"study {k}" for k in (4, 3, 2, 1, 0)]
 
 
+@pytest.mark.slow
 def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_url: str, tmp_path: Path) -> None:
     with TestClient(create_app(Settings(data_dir=tmp_path, database_url=empty_database_url, workers=0))) as client:
         assert client.get("/readyz").json()["database"] == "ok"

@@ -56,6 +56,7 @@ def reads(who: TestClient, of: dict[str, str]) -> set[int]:
     return {who.get(f"{V1}/{path}").status_code for path in paths}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lab", ["south", None])
 def test_a_study_is_read_by_whom_it_is_shared_with_until_that_ends(
     lab: str | None, ada: TestClient, eve: TestClient, people: People, made: dict[str, dict[str, str]]

@@ -12,6 +12,7 @@ from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.places import poses
 
 
+@pytest.mark.slow
 def test_a_tool_at_rest_weighs_on_the_sensor_in_every_posture(arm6) -> None:
     robot, none = arm6.robot, np.zeros((40, 6))
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (40, 6))

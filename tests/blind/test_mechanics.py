@@ -12,6 +12,7 @@ from exogauge.blind.generator.robot_files import robot_urdf
 from exogauge.synthetic.inertia import of_shape
 
 
+@pytest.mark.slow
 def test_joint_torques_are_those_of_another_implementation(arm6, arm_model) -> None:
     rng, data = np.random.default_rng(0), arm_model.createData()
     q, dq, ddq = rng.uniform(-2.0, 2.0, (3, 50, 6))

@@ -22,6 +22,7 @@ def _on(scene: Scene, joint: int, torque: np.ndarray) -> np.ndarray:
     return every
 
 
+@pytest.mark.slow
 def test_what_nobody_doubts_is_told_by_its_size_over_the_noise(arm6: Scene) -> None:
     """A tone that no number makes: its energy below the low-pass, over that of the noise there."""
     tone = 0.02 * np.sin(2 * np.pi * 3.7 * arm6.motion.time)

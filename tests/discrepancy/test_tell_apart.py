@@ -130,6 +130,7 @@ def doubt(fast_only, pair):
     return doubt_between(fast_only.found, fast_only.recordings, pair)
 
 
+@pytest.mark.slow
 def test_fast_logs_cannot_tell_stribeck_friction_from_a_progressive_one(pair):
     stribeck, progressive = pair
     assert min(stribeck.evidence, progressive.evidence) > ENOUGH  # either explains what is there

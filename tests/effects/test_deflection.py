@@ -69,6 +69,7 @@ def test_under_a_constant_load_it_stays_where_the_spring_holds_it(cubic: float):
     np.testing.assert_allclose(r_ddot, 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_elastic_gear_lacks_what_its_link_does_beside_the_motor():
     """gamma: by which share the spring is stiffer where it gives way as, were it straight, under the rms torque."""
     J, f, zeta, torque, gamma = 0.7, 6.0, 0.2, 4.0, 0.15

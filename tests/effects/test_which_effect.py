@@ -91,6 +91,7 @@ def twins(docs_table):
     return lambda name: {row[1].strip("`") for row in rows if row[0] == name}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HIDDEN)
 def test_it_ranks_first_on_a_motion_that_shows_it(name, seen_on, twins):
     first, second = seen_on(name, "rich", 0)[:2]
@@ -162,6 +163,7 @@ def test_a_link_on_its_spring_lacks_what_its_simulation_says(swing, seen):
     assert np.std((lacking + column)[steady]) < 0.15 * np.std(lacking[steady])
 
 
+@pytest.mark.slow
 def test_a_gap_comes_out_too_large_but_not_by_more_than_twice(seen_on):
     found = seen_on("backlash", "rich", 0)[0]
     assert 0.01 < found.coefficients[0] < 0.025

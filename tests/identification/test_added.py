@@ -55,6 +55,7 @@ def asymmetry(found) -> Parameter:
     return parameter
 
 
+@pytest.mark.slow
 def test_a_known_coefficient_comes_back(recordings):
     truth, logs = recordings(D_A)
     first, found = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))
@@ -69,6 +70,7 @@ def test_a_known_coefficient_comes_back(recordings):
     assert rmse[1] < 0.5 * rmse[0]
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_not_there_is_zero_within_its_standard_deviation(recordings):
     truth, logs = recordings(0.0)
     d_a = asymmetry(extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))[1])
@@ -106,6 +108,7 @@ def test_the_supporting_torque_and_its_slopes_know_the_added_torque(recordings):
         np.testing.assert_allclose(slope[:, -3:] @ model.identified.added, expected[samples, place], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_columns_are_named_after_effect_and_coefficient(recordings):
     truth, logs = recordings(0.0)
     found = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)), AddedEffect(RIPPLE, AxisSite(2), (5.0,)))[1]
@@ -134,6 +137,7 @@ def test_adding_nothing_changes_nothing(make_truth, make_log, actuation):
     assert one.parameters == other.parameters
 
 
+@pytest.mark.slow
 def test_noise_floors_of_the_parent_are_kept(recordings):
     truth, logs = recordings(D_A)
     first = identify(truth.robot, logs, Settings(cutoff_hz=8.0))
@@ -143,6 +147,7 @@ def test_noise_floors_of_the_parent_are_kept(recordings):
     assert floors_of(again.validation) == floors
 
 
+@pytest.mark.slow
 def test_effects_see_the_robot_as_it_is_identified_with_them(recordings):
     truth, logs = recordings(D_A)
     settings = Settings(cutoff_hz=8.0)

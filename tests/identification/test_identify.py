@@ -140,6 +140,7 @@ def test_accurate_mode_agrees_with_the_statistics(make_truth, make_log):
         assert abs(a.value - b.value) < 1e-5 * a.std + 1e-12, a.name
 
 
+@pytest.mark.slow
 def test_every_link_is_possible_when_asked_for(make_truth, make_log):
     truth = make_truth(floating=True, seed=8)
     result = fit(truth, make_log, 3.0, Settings(cutoff_hz=8.0, consistency="physical"), fitted=(1,))

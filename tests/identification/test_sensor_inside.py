@@ -54,6 +54,7 @@ def without(identified: Identify) -> Identified:
     return identified([], made_with=[wrist()])
 
 
+@pytest.mark.slow
 def test_a_load_on_the_tool_takes_off_every_row_what_its_mass_asks_of_it(on_wrist: Identified) -> None:
     robot, found = on_wrist
     tree, equations = robot.tree, found.model.equations

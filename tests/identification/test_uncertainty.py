@@ -71,6 +71,7 @@ def test_standard_deviations_hold_where_few_stretches_are_long_against_the_error
     assert 0.85 < np.sqrt(np.mean(np.square(z))) < 1.15
 
 
+@pytest.mark.slow
 def test_what_noise_of_the_encoders_adds_is_taken_off(make_truth, make_log):
     """Noise of accelerations makes a rotor look lighter, the more so the less the joint accelerates; drawn six times
     over, the mean error says how much of that is left."""

@@ -54,6 +54,7 @@ def version(installed: Path) -> str:
 REPLACE = "import os, pathlib\nfile = pathlib.Path(os.environ['LATE'])\nfile.write_text(file.read_text() + '#')\n"
 
 
+@pytest.mark.slow
 def test_a_process_that_first_asks_later_is_told_the_code_that_it_started_with(installed: Path) -> None:
     before = version(installed)
     said = run(installed, f"import exogauge.jobs.code_version\n{REPLACE}{SAYS}")
@@ -61,6 +62,7 @@ def test_a_process_that_first_asks_later_is_told_the_code_that_it_started_with(i
     assert version(installed) != before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("replace", [REPLACE, REPLACE + "file.unlink()\n"], ids=["other", "gone"])
 def test_what_computes_ends_before_it_imports_a_file_of_other_code(installed: Path, replace: str) -> None:
     held = "from exogauge.jobs.code_version import *\nhold_to(code_version())\nimport exogauge.errors\n"

@@ -262,6 +262,7 @@ CASES = [
     ("couple_first", "ft.*", couple_first),
     ("weight_on_another_axis", "ft.*", lying_sensors),
     ("weight_differs", "ft.*", scale("ft", 1.3)),
+    ("weight_missing", "ft.*", scale("ft", 0.05)),
     ("wrench_stands", "ft.l_foot", stop_foot),
 ]
 

@@ -101,6 +101,7 @@ def test_a_cell_that_is_no_number_is_named_by_row_column_and_value(tmp_path: Pat
     assert [(f.row, f.column, f.value) for f in found] == [(8, "t", "1_0"), (6, "q.a", "abc")]
 
 
+@pytest.mark.slow
 def test_a_bad_cell_is_found_far_down_behind_blank_lines(tmp_path: Path) -> None:
     lines = ["t,q.a", *(f"{k / 1000},{k}" for k in range(400_000))]
     lines[300_000] = "299.999,x"

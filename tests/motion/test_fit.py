@@ -112,6 +112,7 @@ def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
     assert refused.value.faults[0].rule == "mirrored"
 
 
+@pytest.mark.slow
 def test_markers_that_are_no_body_in_a_mirror_either_are_refused_once() -> None:
     """Each mirror was refused for its own mirror: the search went on for an hour."""
     bow = bowing()

@@ -95,6 +95,7 @@ def test_joints_without_ends_turn_once_each_way(tmp_path: Path, capsys) -> None:
     assert robot.limits.upper[1] == pytest.approx(5.46288, abs=1e-4)  # as the URDF states
 
 
+@pytest.mark.slow
 def test_meshes_of_a_package_with_an_empty_name_are_no_absolute_paths(tmp_path: Path, capsys) -> None:
     """Talos writes package:///example-robot-data/…: each of sixty meshes was refused."""
     shutil.copy(stock("talos_data/robots/talos_full_v2.urdf"), tmp_path / "talos.urdf")
@@ -173,6 +174,7 @@ def test_arms_that_lie_against_the_body_at_home_are_taken_off_it(tmp_path: Path)
     assert [pair for pair in Pairs(replace(robot, home=home), 0.01).left_out if "l_hand" in pair] == hidden
 
 
+@pytest.mark.slow
 def test_a_draft_tells_what_its_home_hides_and_what_home_cannot_bear(tmp_path: Path, capsys) -> None:
     """Pairs that are near at home are never looked at: seen in a plan's small print alone."""
     shutil.copy(stock("baxter_description/urdf/baxter.urdf"), tmp_path / "baxter.urdf")

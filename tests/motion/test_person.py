@@ -149,6 +149,7 @@ def _along_bones(flexion: np.ndarray, yaw_deg: float) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.slow
 def test_bones_that_are_no_posture_at_rest_are_read_by_what_they_carry(tmp_path: Path) -> None:
     """A trunk that stood was fitted as if it lay, and retargeting refused what Rokoko writes."""
     (tmp_path / "a.bvh").write_text(_along_bones(bow(30.0), 40.0))

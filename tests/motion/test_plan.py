@@ -541,6 +541,7 @@ def test_a_broken_bound_is_told_with_its_size_and_by_how_much(robot: MotionRobot
     assert f"125 % of its bound {torque[j]:.4g}" in line
 
 
+@pytest.mark.slow
 def test_a_stretch_whose_rounds_come_no_nearer_is_given_up_and_told(robot: MotionRobot) -> None:
     asked, rounds = bend(robot, 0.9, 1.0), list[Round]()
     impatient = replace(USUAL, patience=1, nearer=0.0)  # no round is near enough
@@ -578,6 +579,7 @@ def written(robot: MotionRobot, bent, tmp_path_factory: pytest.TempPathFactory) 
     return file, judged
 
 
+@pytest.mark.slow
 def test_a_written_plan_is_judged_as_it_was_planned(robot: MotionRobot, written, folder: Path, capsys) -> None:
     file, judged = written
     assert main(["motion", "check", str(file), "--robot", str(folder / "robot.yaml"), "--json"]) == 0
@@ -608,6 +610,7 @@ def with_cell(columns: Columns, name: str, row: int, value: float) -> Columns:
     return columns | {name: changed}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -18,6 +18,7 @@ from exogauge.motion.retargeting import again, changed, criteria_of, with_margin
 from exogauge.robots.moving.robot import MotionRobot
 
 
+@pytest.mark.slow
 def test_nothing_is_searched_for_where_home_lacks_a_little(robot: MotionRobot) -> None:
     def weak(share: float) -> MotionRobot:
         return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))

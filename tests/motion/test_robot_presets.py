@@ -49,6 +49,7 @@ def preset(name: str, folder: Path) -> Path:
     return folder / "robot.yaml"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(URDF))
 def test_a_known_robot_stands_and_touches_nothing(name: str, tmp_path: Path, capsys) -> None:
     robot = load_motion_robot(preset(name, tmp_path))

@@ -41,6 +41,7 @@ def anywhere(robot: MotionRobot, count: int, seed: int) -> np.ndarray:
     return q
 
 
+@pytest.mark.slow
 def test_distances_are_those_of_mujoco(robot: MotionRobot, pairs: Pairs) -> None:
     shapes, q = Shapes(robot, robot_urdf()), anywhere(robot, 5, 0)
     near = pairs.near(q, 0.5)
@@ -51,6 +52,7 @@ def test_distances_are_those_of_mujoco(robot: MotionRobot, pairs: Pairs) -> None
         assert distance == pytest.approx(seen, abs=1e-4) or (distance < 0.0 and seen < 0.0)
 
 
+@pytest.mark.slow
 def test_no_near_pair_is_missed_over_a_motion_and_slopes_are_those_of_the_distances(
     robot: MotionRobot, pairs: Pairs
 ) -> None:

@@ -42,6 +42,7 @@ def test_a_gain_that_all_axes_share_is_a_doubt_of_the_same_share_of_the_body_and
     assert told == pytest.approx(exact.std)  # what the sensor reads is foretold as well as ever
 
 
+@pytest.mark.slow
 def test_an_exact_sensor_adds_no_doubt_and_is_told_apart_from_one_of_which_nobody_says_anything(tmp_path: Path) -> None:
     foreign.write(tmp_path, 3, seconds=8.0, tests=False)
     usual = results(evaluated(tmp_path))

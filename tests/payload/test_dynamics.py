@@ -138,6 +138,7 @@ def test_tilt_and_zero_come_back_from_the_postures() -> None:
     assert np.sqrt(np.mean(tilt**2, axis=0)).max() <= 0.005
 
 
+@pytest.mark.slow
 def test_gtls_takes_the_bias_off_that_noisy_kinematics_leave() -> None:
     gtls, ls, tls = (errors(SEEDS, 1e3, method)[:, [0, 3, 4]] for method in ("gtls", "ls", "tls"))
     chance = 3.0 * gtls.std(axis=0) / np.sqrt(len(SEEDS))
@@ -253,6 +254,7 @@ def test_an_impossible_payload_is_replaced_by_the_likeliest_possible_one() -> No
     assert np.linalg.eigvalsh(J).min() > 0
 
 
+@pytest.mark.slow
 def test_the_doubt_of_the_inclination_is_in_that_of_the_motion() -> None:
     """Few, noisy postures and a quiet motion: without it, what motion says would be too sure of itself."""
     motion, phi = case(0).motion().inner().rows(slice(None, None, 5)), case(0).phi

@@ -282,6 +282,7 @@ def of_two_clocks(content: dict[str, Any], folder: Path) -> None:
         entry["file"] = [entry["file"].replace(".parquet", f".{part}.parquet") for part in ("wrench", "pose")]
 
 
+@pytest.mark.slow
 def test_pose_and_wrench_of_two_clocks_and_rates_are_as_good_as_of_one(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "two"
     shutil.copytree(sample, folder)
@@ -325,6 +326,7 @@ def test_an_identification_says_at_which_stage_it_is(tmp_path: Path) -> None:
     assert {stage for _, _, stage in said} == {Stage.READING, Stage.POSTURES, Stage.WRITING}
 
 
+@pytest.mark.slow
 def test_logs_of_one_name_are_all_told_and_one_log_twice_is_refused(
     sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

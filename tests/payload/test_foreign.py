@@ -294,6 +294,7 @@ def test_three_postures_do_and_a_dead_channel_is_told(tmp_path: Path) -> None:
     assert [each for each in evaluated(tmp_path).warnings if "'FT_Z'" in each and "all" in each]
 
 
+@pytest.mark.slow
 def test_a_wrench_in_another_unit_is_asked_for_where_its_noise_is_too_small(tmp_path: Path) -> None:
     foreign.write(tmp_path, 8, spoil=foreign.wrench(lambda w: w / 9.80665))
     assert [each for each in evaluated(tmp_path).warnings if "kgf" in each]

@@ -275,6 +275,7 @@ def test_a_secondary_zero_is_refused_where_something_touches() -> None:
     assert np.array_equal(external, np.ones((200, 6)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", [0.05, 0.1, 0.3])
 def test_a_joint_that_starts_to_move_is_no_contact(way: float) -> None:
     """After a second at rest, in which it was filtered as one that hardly moves, of all joints in turn."""

@@ -80,6 +80,7 @@ def test_a_log_is_followed_and_its_pushes_are_told_with_their_times(
     assert np.sum(written["alarm"].to_numpy()) > 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["object", "array", "csv", "csv with names"])
 def test_lines_of_every_form_say_what_the_log_says(
     sample: Path, begun: tuple[PayloadFile, Start], form: str, monkeypatch: pytest.MonkeyPatch,
@@ -102,6 +103,7 @@ def test_lines_of_every_form_say_what_the_log_says(
     assert found == pytest.approx(np.concatenate([each["wrench"] for each in told if each["type"] == "wrench"]))
 
 
+@pytest.mark.slow
 def test_what_cannot_be_read_is_told_and_counted_and_the_rest_goes_on(
     sample: Path, begun: tuple[PayloadFile, Start], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -126,6 +128,7 @@ def test_what_cannot_be_read_is_told_and_counted_and_the_rest_goes_on(
     assert (counts["refused"], counts["out_of_order"]) == (5, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [0, 1, 2, 60])
 def test_a_stream_of_which_too_few_samples_count_says_so(
     count: int, sample: Path, begun: tuple[PayloadFile, Start], monkeypatch: pytest.MonkeyPatch,
@@ -140,6 +143,7 @@ def test_a_stream_of_which_too_few_samples_count_says_so(
     assert f"of {count} samples {min(count, 1)} count" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_column_that_a_log_lacks_is_named(sample: Path, tmp_path: Path) -> None:
     (tmp_path / "short.csv").write_text("t,q.a1,fx\n0,1,2\n0.004,1,2\n")
     assert main(["payload", "live", str(sample), "--log", str(tmp_path / "short.csv")]) == 2

@@ -9,7 +9,7 @@ import pytest
 from tests.discrepancy.test_partial_names import AXES, FEET, record, robot  # noqa: F401
 
 from exogauge.logs.model import Log
-from exogauge.plausibility.examine import examine_against_robot
+from exogauge.plausibility.examine import examine_against_robot, examine_worn
 from exogauge.robots.description import Robot
 
 
@@ -39,6 +39,20 @@ def test_feet_that_are_exchanged_are_named_where_they_bear_nearly_alike(robot: R
     assert said(robot, logs) == []
     found = said(robot, [exchanged(each) for each in logs])
     assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
+
+
+def test_the_base_is_looked_at_in_single_logs_with_a_device_too(robot: Robot, logs: list[Log]) -> None:  # noqa: F811
+    """What a device does to a joint is no reason for a doubt there."""
+    pulled = [
+        replace(each, channels=each.channels | {"tau.arm": each.channels["tau.arm"] - 9.0 * each.channels["q.arm"]})
+        for each in logs
+    ]
+    assert list(examine_worn(robot, pulled)) == []
+    feet = {f"ft.{foot}.{axis}" for foot in FEET for axis in AXES}
+    late = {name: np.roll(values, 40) if name in feet else values for name, values in pulled[1].channels.items()}
+    slipped = [exchanged(pulled[0]), replace(pulled[1], channels=late)]
+    found = [(log, each.channel, each.rule) for log, each in examine_worn(robot, slipped)]
+    assert found == [(logs[0].name, "ft.left", "wrenches_exchanged"), (logs[1].name, "ft.*", "wrench_clock")]
 
 
 def test_feet_as_they_are_raise_no_doubt(robot: Robot, logs: list[Log]) -> None:  # noqa: F811

@@ -187,6 +187,7 @@ def test_an_encoder_that_was_zeroed_elsewhere_is_told_with_its_angle(
         assert np.degrees(each.value or 0.0) == pytest.approx(degrees, abs=2.5)
 
 
+@pytest.mark.slow
 def test_the_doctor_says_first_what_the_robot_contradicts(
     floating: bool, logs: list[dict[str, np.ndarray]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

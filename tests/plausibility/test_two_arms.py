@@ -85,6 +85,7 @@ def test_one_joint_of_the_two_arms_exchanged_is_told(robot: Robot, logs: list[Co
     assert all(f"{side}_{joint}" in told[1] + finding.detail for side in SIDES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", ["q", "i"])
 def test_whole_arms_exchanged_are_one_finding(robot: Robot, logs: list[Columns], kinds: str) -> None:
     """The two arms are built alike: whether positions or currents are the other arm's, no log tells."""

@@ -43,6 +43,7 @@ def test_a_slope_under_a_fixed_arm_makes_more_visible(robot):
     assert find_base_parameters(tree, up=np.array([2.0, 1.0, 9.5])).rank == 38  # first moments of the first link
 
 
+@pytest.mark.slow
 def test_kept_columns_are_well_conditioned_and_do_not_depend_on_the_draw(robot, random_motion):
     tree, _, _ = robot("talos")
     base, again = (find_base_parameters(tree, np.random.default_rng(seed)) for seed in (1, 2))

@@ -165,6 +165,7 @@ def test_the_kernel_is_asked_how_often_memory_ran_out(tmp_path: Path, monkeypatc
     assert asking.times_short_of_memory() == 41
 
 
+@pytest.mark.slow
 def test_a_sound_robot_is_summed_up_and_a_broken_one_refused() -> None:
     summary = check_robot(RobotRequest(URDF, ["elbow"], "base"))
     assert (summary.bodies, summary.joints, summary.mass) == (("fore",), ("elbow",), 2.0)

@@ -114,6 +114,7 @@ def test_odd_values_anywhere_are_told(bundle: Bundle, robot: Robot, data: st.Dat
     is_read_or_refused(bundle, robot, yaml.safe_dump(content, allow_unicode=True).encode())
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_a_broken_text_is_told(bundle: Bundle, robot: Robot, data: st.DataObject) -> None:
@@ -132,6 +133,7 @@ def test_a_broken_text_is_told(bundle: Bundle, robot: Robot, data: st.DataObject
 cells = st.one_of(numbers.map(str), st.sampled_from(["0,5", "", "x", "length_m", "force_n", '"', "\x00", "1e-400"]))
 
 
+@pytest.mark.slow
 @given(st.lists(st.lists(cells, max_size=4), max_size=6), st.sampled_from([",", ";", "\t"]), st.booleans())
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_a_broken_bench_table_is_told(

@@ -74,6 +74,7 @@ def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -
     assert not (tmp_path / "out" / "results.json").exists()
 
 
+@pytest.mark.slow
 def test_a_bad_log_is_told_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
     (folder / "logs" / "val_1.parquet").write_bytes(b"PAR1 no")
     with pytest.raises(BadLog) as caught:

@@ -83,6 +83,7 @@ def test_an_older_result_does_not_outlive_a_study_that_cannot_be_opened(folder: 
     assert [each.name for each in out.iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("step_s", "rows", "rule"),
     [(5.0, None, "rate_impossible"), (120.0, None, "rate_impossible"), (5e-6, None, "rate_impossible"),

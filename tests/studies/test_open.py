@@ -218,6 +218,7 @@ def test_one_file_is_split_into_fitted_and_held_out_rows(rewrite: Rewrite) -> No
     assert second.log.time[0] == pytest.approx(1.5)
 
 
+@pytest.mark.slow
 def test_a_zip_gives_the_same_recordings(folder: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "s.zip", "w") as archive:
         for each in folder.rglob("*.*"):

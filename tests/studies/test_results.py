@@ -55,6 +55,7 @@ def content(out: Path) -> dict:
     return json.loads((out / "results.json").read_text(), parse_constant=pytest.fail)
 
 
+@pytest.mark.slow
 def test_results_hold_the_contract(out: Path, identification: Identification) -> None:
     found = content(out)
     assert found["version"] == 1
@@ -122,6 +123,7 @@ def test_summary_pools_the_held_out_base_moment(out: Path, identification: Ident
     assert summary["rmse_prior"] == pytest.approx(math.sqrt(np.mean([fit.rmse_prior**2 for fit in fits])))
 
 
+@pytest.mark.slow
 def test_not_a_number_becomes_null(folder: Path, identification: Identification, tmp_path: Path) -> None:
     odd = dataclasses.replace(identification.parameters[0], std=math.inf, prior_std=math.nan)
     found = dataclasses.replace(identification, parameters=(odd, *identification.parameters[1:]), condition=math.inf)
@@ -132,6 +134,7 @@ def test_not_a_number_becomes_null(folder: Path, identification: Identification,
     assert said["parameters"][0]["std"] is None
 
 
+@pytest.mark.slow
 def test_the_same_inputs_give_the_same_bytes(
     out: Path, folder: Path, identification: Identification, tmp_path: Path
 ) -> None:
@@ -159,6 +162,7 @@ def test_a_failed_run_never_looks_whole(
     assert sorted(path.name for path in out.iterdir()) == ["notes.txt"]
 
 
+@pytest.mark.slow
 def test_an_impossible_link_is_a_warning_not_a_urdf(
     folder: Path, identification: Identification, tmp_path: Path
 ) -> None:
@@ -232,6 +236,7 @@ def test_the_report_shows_the_numbers(out: Path, identification: Identification)
     assert "dead <b>for</b> 0.4 s" in page.text  # shown as text: markup from outside stays text
 
 
+@pytest.mark.slow
 def test_names_that_mean_something_elsewhere_are_shown_as_text(
     folder: Path, identification: Identification, tmp_path: Path
 ) -> None:
@@ -249,6 +254,7 @@ def test_names_that_mean_something_elsewhere_are_shown_as_text(
     assert "<i>$x_1$&" in page.text
 
 
+@pytest.mark.slow
 def test_without_held_out_logs_the_report_says_so(folder: Path, identification: Identification, tmp_path: Path) -> None:
     found = dataclasses.replace(
         identification,

@@ -32,6 +32,7 @@ def test_positions_in_degrees_are_all_that_is_wrong_though_one_log_stays_within_
     assert {(each["rule"], each["channel"]) for each in found if each["severity"] == "error"} == {("degrees", "q.j2")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("in_degrees", [True, False])
 def test_motions_that_differ_in_degrees_are_told_as_degrees_first(tmp_path: Path, in_degrees: bool) -> None:
     folder = write_worn_study(tmp_path, ROBOT, URDF, same_motion=False)

@@ -98,6 +98,7 @@ def test_a_moved_via_point_is_what_a_device_file_written_so_gives(study):
     assert any(abs(each.percent["rms"] or 0.0) > 0.1 for each in moved.joints)
 
 
+@pytest.mark.slow
 def test_what_is_saved_is_what_was_asked(study):
     changes = (MovePoint("A_left", 1, (0.1, 0.2, 0.3)), Stiffness("A", times=1.1), Pretension("arm ü/2", 0.01))
     now = asked(study, *changes)
@@ -108,6 +109,7 @@ def test_what_is_saved_is_what_was_asked(study):
     equal_torques(now, "after", again, "before")
 
 
+@pytest.mark.slow
 def test_a_device_file_survives_being_read_written_and_read(study):
     motion = read_motion(open_bundle(study), "worn")
     (study / "deep").mkdir()
@@ -187,6 +189,7 @@ def test_the_same_changes_in_yaml():
     assert refused.value.faults[0].row == 3
 
 
+@pytest.mark.slow
 def test_the_job_uses_every_sample_and_its_series_holds_what_its_json_sums_up(study, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
@@ -208,6 +211,7 @@ def test_the_job_uses_every_sample_and_its_series_holds_what_its_json_sums_up(st
         compute(study, out, silent, {"log": "worn", "changes": [{"change": "remove_band", "of": "Z"}]})
 
 
+@pytest.mark.slow
 def test_long_motions_are_thinned_evenly_and_say_so(study):
     whole, thin = (read_motion(open_bundle(study), "worn", most=most) for most in (None, 300))
     assert (len(thin.time), thin.of_samples, thin.every) == (250, 1000, 4)
@@ -239,6 +243,7 @@ def test_the_command_prints_before_and_after(study, capsys):
     assert "A_left" in said
 
 
+@pytest.mark.slow
 def test_the_command_takes_changes_in_their_order_and_saves_the_device(study, capsys):
     copied = ("--copy", "A_left=C", "--move", "C.1=0,0,0.01", "--scale", "C.natural_length=0.9")
     assert run(study, "--log", "worn", *copied, "--save", study / "new.yaml", "--json") == 0

@@ -48,6 +48,7 @@ def runs(biped, suit, stoop):
     return record
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stuck", [11, 12, 1.0, -1.0])
 def test_the_truth_lies_within_the_interval_at_rest_whatever_friction_does(biped, runs, low_passed, inner, stuck):
     recorded, own = runs(True, stuck)

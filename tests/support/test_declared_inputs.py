@@ -175,6 +175,7 @@ def test_every_common_input_is_tried(model):
     assert set(model.inputs.names) == set(CASES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EACH)
 def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(biped, robot, logs, model, name):
     step = 1e-4  # more would be seen in the residuals, and rows be weighed anew
@@ -206,6 +207,7 @@ def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_
     assert np.abs(change - expected)[steady].max() < max(0.1 * np.abs(expected).max(), 0.01 * directly)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [name for name in ORDER if name.startswith("torso")])
 def test_where_a_urdf_puts_a_joint_is_taken_up_by_what_its_links_weigh(biped, robot, logs, suit, wander, joint):
     """So that no place of a joint has to be declared: of the moment that its weight has on that way, little is left."""
@@ -296,6 +298,7 @@ def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot,
     assert astray(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log["ft_zero"]))) < 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("friction", "declared"), [("k_d", "viscous_drift"), ("tau_c", "coulomb_drift")])
 def test_a_motor_that_rubs_more_in_the_log_with_the_device_takes_from_the_support(
     biped, model, suit, wander, friction, declared

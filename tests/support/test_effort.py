@@ -85,6 +85,7 @@ def test_what_has_no_doubt_has_no_parts(found):
     assert not found["prior"].mean.parts
 
 
+@pytest.mark.slow
 def test_a_peak_of_what_the_model_lacks_at_one_moment_is_as_doubtful_as_it_is_large(biped, suit, wander):
     """The same torque of 3 N·m for half a second in every run, and a device that does not pull: B has it for a peak."""
     model, time = biped.known(), wander(1).time

@@ -76,6 +76,7 @@ def test_both_approaches_meet_the_truth_in_steady_motion(found, truths, inner):
         assert np.abs(trial.support_prior - truth)[inner][trial.steady[inner]].max() > 1.0
 
 
+@pytest.mark.slow
 def test_the_ends_of_a_log_in_full_motion_are_not_steady(biped, suit, wander):
     """There the low-pass leans on what was never measured."""
     model, plain = biped.known(), biped.record(wander(1), "plain")
@@ -220,6 +221,7 @@ def test_a_device_without_values_gets_those_identified(biped, suit, recorded, tr
     assert sentence(why).startswith("none")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated", [True, False])
 def test_what_hangs_on_the_model_is_what_the_whole_evaluation_says_of_it(biped, suit, recorded, stated):
     blank = suit if stated else told_nothing(suit)
@@ -248,6 +250,7 @@ def test_two_devices_in_one_study_are_kept_apart(biped, suit, recorded, stoop):
     }
 
 
+@pytest.mark.slow
 def test_nearly_the_same_motion_is_used_and_doubted_in_words(biped, suit, recorded, stoop, low_passed, inner):
     """The bend goes a fifth deeper with the suit; what the model says of the difference is taken off."""
     deeper = biped.record(stoop(5, depth=0.98), "deeper", suit.bands)

@@ -91,6 +91,7 @@ def test_what_the_model_errs_by_in_both_runs_drops_out(biped, runs, wander, low_
     assert error < 0.2 * alone
 
 
+@pytest.mark.slow
 def test_where_the_partner_stands_elsewhere_its_friction_is_not_taken_for_an_error(biped, suit, stoop, low_passed):
     """Joints stick one way with the suit and the other way without: A is wrong by both, the paired estimate by none."""
     model, joints = biped.known(), biped.torso

@@ -74,6 +74,7 @@ def test_stiffness_and_lengths_come_back_with_what_is_left(identified, suit):
     assert not found.notes
 
 
+@pytest.mark.slow
 def test_several_logs_count_together(identified, stoop, wander):
     doubts = []
     for seed in range(5):
@@ -257,6 +258,7 @@ def benched(device, k=1520.0, l_0=0.6755):
     return replace(device, bands=tuple(replace(band, bench=bench) for band in told_nothing(device).bands))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.3, 1.0, 6.0])
 def test_a_bench_test_weighs_what_it_is_worth_against_what_the_data_are_worth(identified, suit, noise):
     """Errors last 0.2 s, so there are far fewer of them than samples. Both together are known at least as well as

@@ -179,6 +179,7 @@ def test_a_place_where_nothing_is_makes_no_backup_and_spares_the_one_that_is_the
     assert backup.read_manifest(tmp_path / "backup") == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_no_sweep_runs_beside_a_backup(filled: Installation, tmp_path: Path) -> None:
     with filled.session() as session:
@@ -191,6 +192,7 @@ def test_no_sweep_runs_beside_a_backup(filled: Installation, tmp_path: Path) -> 
         assert not chores.take(session, "sweep", "sweeper", now_due=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_what_is_damaged_is_refused_and_nothing_is_left(filled: Installation, tmp_path: Path) -> None:
     folder = tmp_path / "backup"

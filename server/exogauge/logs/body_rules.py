@@ -88,6 +88,13 @@ def _weight_elsewhere(
             advice = f"the weight is in {axis}: right if that axis of the sensors is upright"
             yield Finding("warning", "ft.*", "weight_on_another_axis", detail, advice, value=ratio)
         return
+    if abs(ratio) <= expected.criteria.weight_sign:
+        advice = (
+            "were zeros taken while the robot stood on its feet? Take them with the feet in the air, and add here what "
+            "was taken off (`offset`). What hangs from a crane is borne by what no sensor tells of"
+        )
+        yield Finding("error", "ft.*", "weight_missing", detail, advice, value=ratio)
+        return
     advice = "does the robot lean on something else, or is the force scale, the zero or the mass of the URDF wrong?"
     yield Finding("warning", "ft.*", "weight_differs", detail, advice, value=ratio)
 

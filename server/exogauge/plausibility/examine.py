@@ -152,6 +152,20 @@ def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[
     return [logs[k] for k in sorted(chosen)]
 
 
+def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None) -> Iterator[tuple[str, Finding]]:
+    """(name of the log, finding) of logs with a device on: what feet and IMU tell of the base, in whose balance no band
+    and no motor is. What every joint bears is not looked at."""
+    criteria = criteria or Comparing()
+    for log, seen in zip(logs, side_by_side(partial(take, robot, criteria=criteria), logs), strict=True):
+        yield from ((log.name, finding) for finding in half_measured(robot, log))
+        if seen is None:
+            continue
+        if sides := exchanged_contacts(robot, [seen]):
+            yield log.name, as_exchanged(robot, sides)
+        elif late := late_imu_or_contacts(robot, seen):
+            yield log.name, as_late(late)
+
+
 def half_measured(robot: Robot, log: Log) -> Iterator[Finding]:
     """Contact sensors of which some numbers never change while others do, under a robot whose drives are logged: the
     base's moments, which set the scale of every torque, would be wrong by what is not measured."""

@@ -54,6 +54,7 @@ from exogauge.studies.results.examine_logs import (
     suspects,
     told_of_errors,
     without_spoiled,
+    worn_without_spoiled,
 )
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
 from exogauge.studies.results.plain_values import finite
@@ -71,6 +72,7 @@ from exogauge.support.evaluate import (
     consequences,
     gather_support,
 )
+from exogauge.support.labels import MISLABELLED
 from exogauge.support.result import SupportResult, Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -120,14 +122,15 @@ def _evaluate(
         doing = {step.step for step in steps if step.skipped is None}
         reading(0.02, Doing.READING_LOGS)
         logs = admit(study, worn="support" in doing, progress=reading)
-        worn = logs.worn
         reading(0.10, Doing.EXAMINING_LOGS)
-        findings = examine_logs(study.robot, logs.recordings, worn, study.settings.criteria)
-        plans = _plans_of(study, [*(each.log for each in logs.recordings), *(each.log for each in worn)])
+        findings = examine_logs(study.robot, logs.recordings, logs.worn, study.settings.criteria)
+        plans = _plans_of(study, [*(each.log for each in logs.recordings), *(each.log for each in logs.worn)])
         compared = frozenset(name for name, each in study.motions.items() if each.role == "without_device")
         kept = without_spoiled(study.robot, logs.recordings, findings, compared)
         recordings, spoiled = kept.recordings, kept.spoiled
         plain = logs.as_plain(recordings)
+        used_worn = worn_without_spoiled(study.robot, logs.worn, findings)
+        worn, kept = used_worn.logs, replace(kept, findings=used_worn.about_used(kept.findings))
         spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
             found = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
@@ -136,7 +139,7 @@ def _evaluate(
         if not spoiled and "discrepancy" not in doing:  # where it is, what has no name yet looks like a wrong number
             found = let_go(found, recordings, study.settings)
         doubts, bare = refuse_what_made_it_worse(found, recordings, kept.findings), found.model
-        doubts = [*kept.notices, *told_of_errors(study.robot, kept.findings), *doubts]
+        doubts = [*kept.notices, *used_worn.notices, *told_of_errors(study.robot, kept.findings), *doubts]
         give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
@@ -154,8 +157,10 @@ def _evaluate(
                 plain_now, worn_now = logs.as_plain(missing.recordings), alike
         support, stiffness = None, tuple[StiffnessResult, ...]()
         give_back()
-        if worn:
+        if logs.worn:
             with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
+                if not worn:
+                    raise used_worn.refused()
                 support, stiffness, discrepancy = _with_devices(
                     study, found, bare, (plain, worn), (plain_now, worn_now),
                     discrepancy, bool(spoiled), spans[Stage.SUPPORT], failed,
@@ -164,6 +169,7 @@ def _evaluate(
         told_of = found.by_stated_constants()
         if spoiled:
             told_of = told_of.with_nothing_decided()
+        if spoiled or (support is not None and any(each.about in MISLABELLED for each in support.remarks)):
             stiffness = tuple(each.with_nothing_decided() for each in stiffness)
         writing(0.87, Doing.WRITING_RESULTS)
         evaluation = Evaluation(

@@ -91,6 +91,7 @@ def test_every_finding_stands_with_evidence_numbers_and_rivals(report: str, disc
     assert "Nothing among what was tried." in text  # the payload has no look-alike
 
 
+@pytest.mark.slow
 def test_a_device_that_it_hardly_changes_is_folded(render: Render, one: Discrepancy) -> None:
     same = Estimate(0.092, 0.0, "N·m")
     text = words(
@@ -138,6 +139,7 @@ def test_nothing_left_is_said_too(render: Render, one: Discrepancy) -> None:
     assert "With it in the model, all of these torques stand at their noise floors." in words(section(render(one)))
 
 
+@pytest.mark.slow
 def test_without_the_step_there_is_no_such_section(render: Render) -> None:
     html = render(None)
     assert 'id="discrepancy"' not in html

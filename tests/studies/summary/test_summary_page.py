@@ -166,6 +166,7 @@ def test_equal_results_give_equal_bytes_at_any_time(made: SummaryPage, content: 
     assert again.html == made.html
 
 
+@pytest.mark.slow
 def test_letters_beyond_latin_print_and_what_the_font_lacks_is_said(content: dict[str, Any]) -> None:
     content["name"] = "Γιάννης τ ± 3° · Łódź Ж"
     content["robot"] = "로봇-1"
@@ -178,6 +179,7 @@ def test_letters_beyond_latin_print_and_what_the_font_lacks_is_said(content: dic
     assert "U+B85C" not in shown(made)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["人型ロボット 1", "人形機器人 1"], ids=["japanese", "chinese"])
 def test_east_asian_names_print_in_every_place(content: dict[str, Any], name: str) -> None:
     made = summary_page(renamed(content, name))

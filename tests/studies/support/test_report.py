@@ -144,6 +144,7 @@ def test_what_the_data_do_not_decide_is_marked_and_said(report: str, stiffness: 
     assert "no bounds" in report
 
 
+@pytest.mark.slow
 def test_markup_in_names_stays_text(render: Render, support: SupportResult) -> None:
     odd = dataclasses.replace(
         support,

@@ -23,7 +23,14 @@ from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
-from exogauge.plausibility.examine import IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK, examine_against_robot
+from exogauge.plausibility.examine import (
+    IMU_CLOCK,
+    MOVED_ZERO,
+    OTHER_CLOCK,
+    WRENCH_CLOCK,
+    examine_against_robot,
+    examine_worn,
+)
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -54,13 +61,16 @@ def examine_logs(
     errors = [(log, finding) for log, finding in alone if finding.severity == "error"]
     doubtful = {log for log, finding in errors if kind_of(finding.channel) in OF_THE_BASE}
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
-    if any(finding.rule in SLIPS for _, finding in errors):
+    if mapped := any(finding.rule in SLIPS for _, finding in errors):
         trusted = []
     fitted = {each.log.name for each in recordings if not each.held_out}
-    against = examine_against_robot(robot, trusted, criteria.comparison, fitted)
+    against = list(examine_against_robot(robot, trusted, criteria.comparison, fitted))
+    slipped = any(each.severity == "error" and kind_of(each.channel) in OF_THE_BASE for _, each in against)
+    looked_at = [] if slipped or mapped else [each.log for each in worn if each.log.name not in doubtful]
+    of_worn = examine_worn(robot, looked_at, criteria.comparison)  # a slip of all logs is told once
     held_out = [*(each.held_out for each in recordings), *(True for _ in worn)]
     shared = shared_samples(logs, held_out, criteria.doctor)
-    return [_entry(log, finding) for log, finding in (*shared, *against, *alone)]
+    return [_entry(log, finding) for log, finding in (*shared, *against, *of_worn, *alone)]
 
 
 @final
@@ -83,10 +93,7 @@ def without_spoiled(
 
     All stay where no fitted log would be left.
     """
-    against, needed = dict[str, Mapping[str, Any]](), _identified_by(robot)
-    for each in findings:
-        if each["channel"] in needed and (each["severity"] == "error" or each["rule"] in SPOILING):
-            against.setdefault(each["log"], each)
+    against = _spoiling(robot, findings)
     dead = {each["channel"]: each for each in findings if each["rule"] == "position_dead"}
     for each in findings:  # what is dead in one log is so where it stays at the same number
         same = dead.get(each["channel"]) if each["rule"] == "does_not_move" else None
@@ -103,6 +110,41 @@ def without_spoiled(
     others = _told_of([each for each in names if each not in late], against, About.LOGS_SPOILED)
     about = [each for each in findings if each["log"] not in names]
     return Used(used, about, [*(notices if late else []), *others])
+
+
+@final
+@dataclass(frozen=True)
+class UsedWorn:
+    """Logs with a device that the doctor does not hold for spoiled, what is told of the others, and what is against
+    each of these."""
+
+    logs: list[WornLog]
+    notices: list[Notice]
+    faults: Mapping[str, Mapping[str, Any]]
+
+    def about_used(self, findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+        return [each for each in findings if each["log"] not in self.faults]
+
+    def refused(self) -> BadLog:
+        """Where none is left."""
+        return BadLog(suspects([{**each, "severity": "error"} for each in self.faults.values()]))
+
+
+def worn_without_spoiled(robot: Robot, worn: Sequence[WornLog], findings: Sequence[Mapping[str, Any]]) -> UsedWorn:
+    """findings: of the doctor. What is wrong in a run with the device alone would all be taken for the device."""
+    against = _spoiling(robot, findings)
+    gone = {each.log.name: against[each.log.name] for each in worn if each.log.name in against}
+    used = [each for each in worn if each.log.name not in gone]
+    return UsedWorn(used, _told_of([*gone], gone, About.LOGS_SPOILED), gone)
+
+
+def _spoiling(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+    """log -> the first finding that spoils it."""
+    against, needed = dict[str, Mapping[str, Any]](), _identified_by(robot)
+    for each in findings:
+        if each["channel"] in needed and (each["severity"] == "error" or each["rule"] in SPOILING):
+            against.setdefault(each["log"], each)
+    return against
 
 
 def _identified_by(robot: Robot) -> set[str]:

@@ -199,8 +199,8 @@ FORMS: Mapping[About, Form] = {
     ),
     About.DEVICE_ON_WHERE_FITTED: Form(
         "In {names}, without {beside}, the robot lacks just what its bands would give: it looks as if it was on in "
-        "the logs of role identification. Record these without it; if they are, the robot is not known well enough "
-        "for approach B.",
+        "the logs of role identification. Record these without it; if they are, the robot is not known well enough. "
+        "Believe nothing of the device until then.",
     ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
