@@ -161,7 +161,8 @@ def test_with_no_run_before_and_after_all_that_is_declared_stays_in_doubt(model,
 def test_the_stiffness_is_that_of_feet_that_stay_as_they_are_and_is_doubted_less_for_what_is_known(
     model, clean, suit, end
 ):
-    """Held against feet that stay, without their session: there what is declared is all in doubt."""
+    """Held against feet that stay, without their session: there what is declared is all in doubt, but for what the fit
+    of the bands has followed of it."""
     unknown = replace(suit, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in suit.bands))
 
     def stiffness(zeros, started):
@@ -170,5 +171,5 @@ def test_the_stiffness_is_that_of_feet_that_stay_as_they_are_and_is_doubted_less
 
     steady, told = stiffness(0.0 * end, {}), stiffness(end, STARTS)
     for approach in ("A", "B", "paired"):
-        assert told[approach].parts["ft_zero"] < 0.5 * steady[approach].parts["ft_zero"]
+        assert told[approach].parts["ft_zero"] < steady[approach].parts["ft_zero"] < 1e-3 * steady[approach].value
         assert abs(told[approach].value - steady[approach].value) < 2.0 * told[approach].std
