@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from tests.band_problem import Motion, Way
 
 from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Fitted, Setting, at, fit, shared
+from exogauge.support.band_nuisances import Between
 from exogauge.support.band_rows import WearLog, WearLogs
 
 NAMES = ["bend", "twist", "knee"]
@@ -65,7 +67,7 @@ def test_integrated_out_is_a_column_of_ones_per_log_and_joint_with_a_row_of_its_
     std = np.array([0.2, 1.5, 0.0])
     setting = recorded(rng, rng.normal(size=(LOGS, 3)), std)
     V = rng.normal(size=(*setting.weight.shape, more))
-    setting = replace(setting, added=V if more else None)
+    setting = replace(setting, added=Between(V, scipy.sparse.eye_array(len(V), format="csr")) if more else None)
     found = fitted(setting)
     e = at(without(setting), found.wear).e  # with no offset taken off
     columns, prior = [], []

@@ -472,7 +472,7 @@ def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_leng
     used = setting.logs.used
     drawn, found = (
         np.sqrt(np.mean(np.where(used, each, 0.0), axis=0))
-        for each in (np.mean(squares, axis=0), np.sum(added**2, axis=2))
+        for each in (np.mean(squares, axis=0), np.sum(added.times(np.eye(added.values.shape[2])) ** 2, axis=2))
     )
     np.testing.assert_allclose(found, drawn, rtol=0.2)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
@@ -14,6 +15,7 @@ from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
 from exogauge.identification.disturbances import ZERO
 from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
+from exogauge.support.band_nuisances import Between
 from exogauge.support.band_rows import WearLog, Wire, between, taut
 from exogauge.support.evidence import on_joints
 
@@ -35,20 +37,20 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
 
 
-def nuisance_torques(setting: Setting, fitted: Fitted) -> Array | None:
+def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
     """(N, D, m) [N·m] per standard deviation of what is fitted beside the bands: how the device sits, and zeros of the
     feet's sensors. What the samples tell next to nothing of is left to the doubt.
 
     No gain: it would make less of all that was measured, of noise and pull alike, and be found wherever there is noise.
     """
-    least_told = 0.01  # of what is declared of a direction
-    few = BandInputs(setting, fitted)
+    least_told, samples = 0.01, 1000  # of what is declared of a direction; at most, as all of this is smooth
+    few = BandInputs(setting, fitted, samples)
     found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet()]
     if not found:
         return None
-    V = np.stack(found, axis=2)
-    flat = (V * np.sqrt(few.weight)[:, :, None]).reshape(-1, V.shape[2])
-    told, directions = np.linalg.eigh(flat.T @ flat)
+    V = np.stack(found, axis=2, dtype=np.float32)
+    flat = (V * np.sqrt(few.weight)[:, :, None].astype(np.float32)).reshape(-1, V.shape[2])
+    told, directions = np.linalg.eigh((flat.T @ flat).astype(np.float64))
     return few.everywhere(V @ directions[:, told > least_told])
 
 
@@ -56,8 +58,8 @@ def nuisance_torques(setting: Setting, fitted: Fitted) -> Array | None:
 class BandInputs:
     """Every n-th sample, weighed for all: what is smooth needs no more."""
 
-    def __init__(self, setting: Setting, fitted: Fitted) -> None:
-        step = max(1, len(setting.weight) // SEARCHED)
+    def __init__(self, setting: Setting, fitted: Fitted, most: int = SEARCHED) -> None:
+        step = max(1, len(setting.weight) // most)
         logs = self._logs = setting.logs
         self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
         self._log, self._joints = logs.log[self._chosen], logs.joints
@@ -104,14 +106,11 @@ class BandInputs:
             columns[rows, : own.shape[1]] = own
         yield from () if columns is None else np.moveaxis(columns, 2, 0)
 
-    def everywhere(self, values: Array) -> Array:
-        """(N, D, …) of (n, D, …), along straight lines."""
-        out = np.empty((len(self._logs.log), *values.shape[1:]))
-        for place, span in enumerate(self._logs.spans):
-            rows = self._log == place
-            shares = between(self._chosen[rows] - span.start, span.stop - span.start)
-            out[span] = (shares.T @ values[rows].reshape(rows.sum(), -1)).reshape(-1, *values.shape[1:])
-        return out
+    def everywhere(self, values: Array) -> Between:
+        """(N, D, m) of (n, D, m)."""
+        spans = enumerate(self._logs.spans)
+        parts = [between(self._chosen[self._log == k] - span.start, span.stop - span.start) for k, span in spans]
+        return Between(values, scipy.sparse.block_diag(parts, format="csr"))
 
     def _moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
         """(n, D) of each coordinate, per metre."""

@@ -22,7 +22,7 @@ from exogauge.devices.device import Band
 from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
-from exogauge.support.band_nuisances import Nuisances
+from exogauge.support.band_nuisances import Between, Nuisances
 from exogauge.support.band_rows import WearLogs, Wire, stretches, stretches_and_taut
 
 Array = NDArray[np.float64]
@@ -192,7 +192,7 @@ class Setting:
     weight: Array
     independent: float
     belief: Belief
-    added: Array | None = None
+    added: Between | None = None
 
     @cached_property
     def nuisances(self) -> Nuisances:
@@ -205,7 +205,7 @@ def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
     logs = setting.logs.every(step)
     chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in setting.logs.spans])
     wires = tuple(wire.every(logs, step) for wire in setting.wires)
-    added = None if setting.added is None else setting.added[chosen]
+    added = None if setting.added is None else setting.added.at(chosen)
     return replace(setting, logs=logs, wires=wires, weight=step * setting.weight[chosen], added=added)
 
 

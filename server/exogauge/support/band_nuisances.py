@@ -18,11 +18,38 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from exogauge.support.band_rows import WearLogs
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@final
+@dataclass(frozen=True)
+class Between:
+    """(N, D, m) columns that are told at n samples, along straight lines between these. values: (n, D, m); shares:
+    (n, N) of each sample."""
+
+    values: Array
+    shares: scipy.sparse.csr_array
+
+    def times(self, v: Array) -> Array:
+        """(N, D, …) of (m, …)."""
+        n, D, _ = self.values.shape
+        return np.asarray(self.shares.T @ (self.values @ v).reshape(n, -1)).reshape(-1, D, *v.shape[1:])
+
+    def against(self, X: Array) -> Array:
+        """(m, …) sums over samples and joints of (N, D, …)."""
+        n, D, m = self.values.shape
+        own = np.asarray(self.shares @ X.reshape(len(X), -1)).reshape(n * D, *X.shape[2:])
+        return np.asarray(self.values.reshape(n * D, m).T @ own)
+
+    def at(self, chosen: IntArray) -> Between:
+        """The same for some of the N."""
+        return Between(self.values, self.shares[:, chosen])
 
 
 @final
@@ -33,7 +60,7 @@ class Nuisances:
 
     logs: WearLogs
     weight: Array
-    added: Array | None = None
+    added: Between | None = None
 
     @cached_property
     def total(self) -> Array:
@@ -90,24 +117,20 @@ class Nuisances:
         """(N, D, …) X - V v(X), and (m, …) v(X)."""
         if self.added is None:
             return X, np.zeros((0, *X.shape[2:]))
-        V, (told, doubt), flat = self._added, self._told_of_added, X.reshape(self.weight.size, *X.shape[2:])
-        v = doubt @ (told.T @ flat)
-        return (flat - V @ v).reshape(X.shape), v
-
-    @property
-    def _added(self) -> Array:
-        """(N D, m) V"""
-        assert self.added is not None
-        return self.added.reshape(self.weight.size, -1)
+        told = self.added.against(_beside(self.weight, X) * self._beside_offsets(X))  # V°ᵀ w X = Vᵀ w X°
+        v = self._doubt_of_added @ told
+        return X - self.added.times(v), v
 
     @cached_property
-    def _told_of_added(self) -> tuple[Array, Array]:
-        """(N D, m) w V°, and (m, m) covariance of v given the errors."""
+    def _doubt_of_added(self) -> Array:
+        """(m, m) covariance of v given the errors."""
         assert self.added is not None
-        told = (self.weight[:, :, None] * self._beside_offsets(self.added)).reshape(self._added.shape)
-        known = self._added.T @ told
-        doubt = np.linalg.inv(np.eye(len(known)) + 0.5 * (known + known.T))
-        return told, np.asarray(doubt, dtype=np.float64)
+        m, together = self.added.values.shape[2], 16  # columns at once
+        known = np.zeros((m, m))
+        for first in range(0, m, together):
+            own = self.added.times(np.eye(m)[:, first : first + together])
+            known[:, first : first + together] = self.added.against(self.weight[:, :, None] * self._beside_offsets(own))
+        return np.asarray(np.linalg.inv(np.eye(m) + 0.5 * (known + known.T)), dtype=np.float64)
 
     def _less(self, X: Array, share: Array) -> Array:
         return self._less_in_each(X, _beside(share, X) * self._means(X))
