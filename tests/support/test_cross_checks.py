@@ -129,16 +129,22 @@ def test_springs_that_are_right_to_a_per_cent_need_not_explain_the_last_of_it(ch
     assert all(band.identifiable for band in found.bands)
 
 
-def test_bands_that_harden_contradict_themselves_between_hard_and_soft_pulls(checked, suit, biped):
+@pytest.fixture
+def hardened(suit, biped):
+    """What bands that harden make of a log."""
     routing = Routing(biped.robot.tree, suit.bands)
 
-    def hardened(number, evidence):
+    def change(number, evidence):
         stretch = np.maximum(evidence.length - np.array([band.natural_length for band in suit.bands]), 0.0)
         more = 1500.0 * stretch**2 / stretch.max()
         return replace(
             evidence, a=evidence.a - np.einsum("twd,tw->td", routing.geometry(evidence.posture).jacobian, more)
         )
 
+    return change
+
+
+def test_bands_that_harden_contradict_themselves_between_hard_and_soft_pulls(checked, suit, hardened):
     found = checked([suit, suit], noise=0.1, change=hardened)
     (pulls,) = (each for each in found.cross_checks if each.check == "pulls")
     assert not pulls.agrees
@@ -156,3 +162,13 @@ def test_approaches_that_contradict_each_other_are_both_no_longer_identifiable(c
         assert {band.note.about for band in each.bands} == {About.APPROACHES_DISAGREE}
     alike = judged([one, replace(one, approach=approach)], Supporting())
     assert all(band.identifiable for each in alike for band in each.bands)
+
+
+def test_b_does_not_stand_by_its_doubt_where_both_that_compare_runs_refute_the_bands(checked, suit, hardened):
+    """Where A alone does, its runs may differ."""
+    refuted, plain = checked([suit, suit], noise=0.1, change=hardened), checked([suit, suit])
+    wide = tuple(replace(each, stiffness=replace(each.stiffness, std=1000.0)) for each in plain.bands)
+    b, paired = replace(plain, approach="B", bands=wide), replace(refuted, approach="paired")
+    assert not any(band.identifiable for band in judged([refuted, b, paired], Supporting())[1].bands)
+    alone = judged([refuted, b, replace(plain, approach="paired")], Supporting())
+    assert all(band.identifiable for band in alone[1].bands)

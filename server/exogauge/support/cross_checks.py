@@ -39,6 +39,7 @@ SAID = {
     "sides": About.SIDES_DISAGREE,
     "misfit": About.SPRINGS_MISFIT,
 }
+OF_THE_BANDS = {"strokes", "pulls", "sides", "misfit"}  # what fails these by A and paired is the device's, not a run's
 LENGTHENING, SHORTENING = "lengthening", "shortening"
 HARD, SOFT = "hard", "soft"
 WITHOUT = "without the device"
@@ -188,7 +189,7 @@ def _with_columns(setting: Setting, fitted: Fitted, A: Array) -> Fitted:
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:
     """With the approaches held against each other, all checks of a device at one level, and what fails no longer
-    identifiable."""
+    identifiable. B's doubt may hide what both that compare runs see of the bands themselves: it is no more so then."""
     result = list(found)
     for device in dict.fromkeys(each.device for each in found):
         own = [k for k, each in enumerate(found) if each.device == device and each.approach != "prior"]
@@ -200,9 +201,20 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
             inside = [each for each in found[k].cross_checks if each.check != "approaches"]
             every = (*inside, *between[k])
             checks = tuple(each if each.check == "misfit" else replace(each, limit=limit) for each in every)
-            bands = tuple(_told(band, checks) for band in found[k].bands)
-            result[k] = replace(found[k], bands=bands, cross_checks=checks)
+            result[k] = replace(found[k], cross_checks=checks)
+        of_bands = _seen_by_both([result[k] for k in own if result[k].approach != "B"])
+        for k in own:
+            against = (*result[k].cross_checks, *(of_bands if result[k].approach == "B" else ()))
+            result[k] = replace(result[k], bands=tuple(_told(band, against) for band in result[k].bands))
     return tuple(result)
+
+
+def _seen_by_both(runs: Sequence[StiffnessResult]) -> list[CrossCheck]:
+    """Of A and the paired estimate, what fails of a group's bands where it does so by both."""
+    failed = [[each for each in one.cross_checks if each.check in OF_THE_BANDS and not each.agrees] for one in runs]
+    groups = [{each.group for each in own} for own in failed]
+    both = set.intersection(*groups) if len(groups) > 1 else set()
+    return [each for own in failed for each in own if each.group in both]
 
 
 def _against_others(one: StiffnessResult, others: Sequence[StiffnessResult]) -> list[CrossCheck]:
