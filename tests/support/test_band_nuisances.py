@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Fitted, Setting, at, fit, shared
 from exogauge.support.band_nuisances import Between
-from exogauge.support.band_rows import WearLog, WearLogs
+from exogauge.support.band_rows import WearLog, WearLogs, between
 
 NAMES = ["bend", "twist", "knee"]
 STIFFNESS, LENGTH, SIGMA, STD, LOGS, SAMPLES = 400.0, 0.55, 0.3, 1.5, 4, 300
@@ -58,6 +59,20 @@ def without(setting: Setting) -> Setting:
     logs = [replace(each, zero_std=None) for each in setting.logs.logs]
     together = WearLogs(logs, setting.logs.joints, setting.logs.names)
     return replace(setting, logs=together, wires=(together.wire(Way(0)),), added=None)
+
+
+@pytest.mark.parametrize(("places", "n"), [([0, 3, 4], 7), ([2], 5)])
+def test_columns_between_samples_run_along_straight_lines(places, n):
+    """And stay beyond the last one. Of a log without a sample there are none."""
+    values, X = (np.random.default_rng(0).normal(size=size) for size in ((len(places), 2, 3), (n, 2)))
+    columns = Between(values, between(np.array(places, dtype=int), n))
+    whole = columns.times(np.eye(3))
+    drawn = np.zeros((n, 2, 3))
+    for joint, each in itertools.product(range(2), range(3)):
+        drawn[:, joint, each] = np.interp(np.arange(n), places, values[:, joint, each])
+    np.testing.assert_allclose(whole, drawn, atol=1e-12)
+    np.testing.assert_allclose(columns.against(X), np.einsum("ndm,nd->m", drawn, X), atol=1e-12)
+    assert between(np.zeros(0, dtype=int), 0).shape == (0, 0)
 
 
 @pytest.mark.parametrize("more", [0, 3])

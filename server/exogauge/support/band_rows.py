@@ -89,6 +89,8 @@ class WearLog:
 def between(places: IntArray, n: int) -> scipy.sparse.csr_array:
     """(m, n) share of each of n samples that each of m in rising order has in it, along straight lines."""
     m = len(places)
+    if m == 0:
+        return scipy.sparse.csr_array((0, n))
     at = np.interp(np.arange(n), places, np.arange(m))
     before = np.minimum(at.astype(np.intp), max(m - 2, 0))
     after = np.minimum(before + 1, m - 1)
