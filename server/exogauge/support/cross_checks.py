@@ -77,7 +77,8 @@ def within(
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
     slopes = seen.setting.nuisances.without(seen.fitted.A)
     for place, own in members.items():
-        joint, most = _misfit(seen.setting.weight[:, known], slopes[:, known, place], excess)
+        own_slopes = seen.fitted.A[:, known, place], slopes[:, known, place]
+        joint, most = _misfit(seen.setting.weight[:, known], *own_slopes, excess)
         doubt = max(float(std[own[0]]), criteria.misfit_matters * float(wear.springs[place]))
         said = ("misfit", bands[own[0]].group, (logs.names[joint], WITHOUT))
         found[place].append(CrossCheck(*said, most, doubt, Z95))  # beyond: an error that its interval does not hold
@@ -161,13 +162,13 @@ class _Split:
         return step, contributions(setting, let_differ, self.robot, self.seen.null)
 
 
-def _misfit(weight: Array, a: Array, excess: Array) -> tuple[int, float]:
+def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int, float]:
     """The joint that has most part in it, and by how much a stiffness [N/m] may be off that errors of this size have
-    been fitted with, whatever their course: by Cauchy and Schwarz |Σ w a m| <= √(Σ w a²) √(Σ w m²) at every joint.
-    weight, a: (N, D), a the slopes with the stiffness. excess: (D,) [N·m] RMS."""
-    known = np.sum(weight * a**2, axis=0)
-    parts = np.sqrt(known * np.sum(weight, axis=0)) * excess
-    return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(known)), 1e-300))
+    been fitted with, whatever their course: by Cauchy and Schwarz |Σ w a⊥ m| <= √(Σ w a⊥²) √(Σ w m²) at every joint,
+    over the information Σ w a a⊥. weight, a, beside: (N, D), a the slopes with the stiffness, beside a⊥ (`Nuisances`).
+    excess: (D,) [N·m] RMS."""
+    parts = np.sqrt(np.sum(weight * beside**2, axis=0) * np.sum(weight, axis=0)) * excess
+    return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(weight * a * beside)), 1e-300))
 
 
 def _null_of_fit(seen: BandFit) -> Array:
