@@ -477,6 +477,7 @@ def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_leng
     np.testing.assert_allclose(found, drawn, rtol=0.2)
 
 
+@pytest.mark.slow
 def test_springs_of_bands_that_sit_otherwise_than_described_are_found_better_and_doubted_as_much(biped, suit, worn):
     """With little noise: what a fit that knows of no doubt errs by is where the via points are."""
     rng, std, noise = np.random.default_rng(3), 0.005, 0.05

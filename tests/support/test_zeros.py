@@ -131,6 +131,7 @@ def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clea
     assert find_zeros(model, plain, worn, {name: each for name, each in STARTS.items() if name != "worn2"}) is None
 
 
+@pytest.mark.slow
 def test_zeros_that_were_taken_anew_before_each_log_are_doubted_by_all_that_is_declared(biped, clean, suit):
     """What one foot reads more and the other less no base row tells: as a course it would go with the partner's."""
     anew = of_zeros(biped, taken_once=False)
