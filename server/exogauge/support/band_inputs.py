@@ -64,7 +64,6 @@ class BandInputs:
         self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
-        self.used = logs.used[self._chosen]
         self.columns, self.weight = fitted.A[self._chosen], step * setting.weight[self._chosen]
         self.weighted = self.columns * self.weight[:, :, None]
         self._wear, self._wires = fitted.wear, setting.wires
@@ -102,7 +101,7 @@ class BandInputs:
             rows = self._log == place
             own = log.of_slopes(whole, self._chosen[rows] - self._logs.spans[place].start)
             if columns is None:
-                columns = np.zeros((*self.used.shape, own.shape[2]))
+                columns = np.zeros((*self.weight.shape, own.shape[2]))
             columns[rows, : own.shape[1]] = own
         yield from () if columns is None else np.moveaxis(columns, 2, 0)
 
