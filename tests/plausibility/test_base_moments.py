@@ -167,3 +167,16 @@ def test_feet_or_an_imu_of_another_clock_are_told_with_the_time_and_nothing_else
     assert [(log, each.channel, each.rule) for log, each in found] == [(each.name, channel, rule) for each in logs]
     for _, each in found:
         assert each.value == pytest.approx(1e-3 * milliseconds, abs=max(0.015, 0.1e-3 * abs(milliseconds)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alike", [False, True])
+def test_feet_that_are_late_show_in_slow_motions_of_bodies_that_are_off(robot: Robot, alike: bool) -> None:  # noqa: F811
+    """What a delay leaves there is less than what bodies do that weigh a tenth more than described."""
+    log = record(4, 0.0, 0.0, slower=4.0, alike=alike)
+    assert list(examine_worn(robot, [log])) == []
+    read = {name: np.roll(each, 40) if name.startswith("ft") else each for name, each in log.channels.items()}
+    late = replace(log, time=log.time[40:-40], channels={name: each[40:-40] for name, each in read.items()})
+    ((_, found),) = examine_worn(robot, [late])
+    assert (found.channel, found.rule) == ("ft.*", "wrench_clock")
+    assert found.value == pytest.approx(0.2, abs=0.01)

@@ -283,8 +283,8 @@ def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
 def as_late(late: Late) -> Finding:
     detail = (
         f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
-        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body asks for as it is, and "
-        f"{100 * late.after:.0f} % so"
+        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body near its description "
+        f"asks for as it is, and {100 * late.after:.0f} % so"
     )
     if late.of_imu:
         advice = (
