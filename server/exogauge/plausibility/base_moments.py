@@ -188,8 +188,8 @@ def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
 
 
 def late_imu_or_contacts(robot: Robot, seen: Snapshot) -> Late | None:
-    """What is late by itself: all contact sensors alike, or the IMU. None where no shift halves what is left were bodies
-    off by as much as stated, or one by hardly any time does.
+    """What is late by itself: all contact sensors alike, or the IMU. None where no shift halves what is left by bodies
+    that are off by as much as stated, or one by hardly any time does.
 
     Joints tell which: a base's own sway is given by both, and would as well be early in the one as late in the other.
     """

@@ -26,6 +26,7 @@ from exogauge.plausibility.base_moments import (
     late_imu_or_contacts,
     moment_unit,
 )
+from exogauge.plausibility.contact_points import OtherPoints, other_points
 from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
@@ -95,6 +96,11 @@ def examine_against_robot(
         seen = [sides.undo(each) for each in seen]
         for log in logs:
             yield log.name, as_exchanged(robot, sides)
+    points = other_points(robot, seen)
+    if points is not None:
+        seen = [points.undo(each) for each in seen]
+        for log in logs:
+            yield from ((log.name, finding) for finding in as_other_points(robot, points))
     for place, one in enumerate(seen):
         if late := late_imu_or_contacts(robot, one):
             seen[place] = late.undo(one)
@@ -164,6 +170,8 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
             yield log.name, as_exchanged(robot, sides)
         elif late := late_imu_or_contacts(robot, seen):
             yield log.name, as_late(late)
+        elif points := other_points(robot, [seen]):
+            yield from ((log.name, finding) for finding in as_other_points(robot, points))
 
 
 def half_measured(robot: Robot, log: Log) -> Iterator[Finding]:
@@ -278,6 +286,22 @@ def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
     )
     advice = f"in a mapping, take for its forces and moments {axes.words}, or turn its frame in the URDF"
     return Finding("error", channel, "wrench_axes", detail, advice, value=axes.before)
+
+
+def as_other_points(robot: Robot, points: OtherPoints) -> Iterator[Finding]:
+    for sensor, place in zip(robot.contacts, points.places, strict=True):
+        if place is not None:
+            name, at = place[0], ", ".join(f"{each:.3f}" for each in place[1])
+            detail = (
+                f"tells its moments about {name}, [{at}] m from the origin of {sensor.frame} in its axes: so fit the "
+                "moments about the base, and bodies that are off by as much as stated do not make up for it"
+            )
+            advice = (
+                f"state a frame at that place, in the axes of {sensor.frame}, as the sensor's in robot.yaml, or bring "
+                "the moments to its origin before they are logged: M + p × F, p that place"
+            )
+            distance = float(np.linalg.norm(place[1]))
+            yield Finding("error", f"ft.{sensor.name}", "wrench_point", detail, advice, value=distance)
 
 
 def as_late(late: Late) -> Finding:
