@@ -30,7 +30,7 @@ from exogauge.plausibility.contact_points import OtherPoints, other_points
 from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
-from exogauge.plausibility.imu_frame import directions, imu_rules
+from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.search import Slip, find_slips, gravity_left_out
 from exogauge.plausibility.snapshot import Snapshot, take
@@ -166,7 +166,9 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
         yield from ((log.name, finding) for finding in half_measured(robot, log))
         if seen is None:
             continue
-        if sides := exchanged_contacts(robot, [seen]):
+        if turned := imu_findings(robot, [seen]):
+            yield log.name, turned[log.name]
+        elif sides := exchanged_contacts(robot, [seen]):
             yield log.name, as_exchanged(robot, sides)
         elif late := late_imu_or_contacts(robot, seen):
             yield log.name, as_late(late)
@@ -243,12 +245,14 @@ def _dead_and_no_slip(
 
 def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
     """log -> what its accelerometer contradicts."""
-    found = [(each, directions(robot, each)) for each in seen]
+    found = [(each, up) for each in seen if (up := directions(robot, each)) is not None]
+    if world := told_on_floor([up for _, up in found]):  # as a mapping has it: a log that tilts little does not show it
+        return {each.log: world for each in seen}
+    rules = {each.log: told_on_floor([up]) or next(imu_rules(robot, up), None) for each, up in found}
     return {
         each.log: replace(finding, advice=finding.advice + _or_held(robot, each))
-        for each, up in found
-        if up is not None
-        for finding in imu_rules(robot, up)
+        for each, _ in found
+        if (finding := rules[each.log])
     }
 
 
