@@ -300,6 +300,19 @@ def test_what_is_left_is_what_a_fit_of_all_rows_leaves(fast_only, doubt):
     assert set(np.concatenate([own[kind] for kind in SWEPT.kinds(model.equations)])) >= set(known.kept)
 
 
+@pytest.mark.parametrize("repeated", [1, 200])
+def test_a_motion_that_tells_nothing_of_the_parameters_adds_its_columns_alone(fast_only, doubt, repeated):
+    """As a sweep of a joint about the vertical does of masses: few such rows, and more than there are parameters."""
+    model = with_next_log(fast_only.found.model)
+    here, known = room(model, fast_only.logs), Known.of(doubt)
+    sweep = choices(model, here, SWEPT.kinds(model.equations), [SWEPT.axis], slow_change=False)[0]
+    new = new_rows(doubt, model, here, sweep, known.kept)
+    c = np.tile(new.c[:3], (repeated, 1))
+    after = known.after(replace(new, A=np.zeros((len(c), new.A.shape[1])), c=c)).left(2.0)
+    assert len(known.kept) < 600
+    np.testing.assert_allclose(after, known.now + 2.0 * c.T @ c, rtol=1e-9)
+
+
 class _Twin(_Scaled):
     """Another effect, with Coulomb and viscous friction that the model has anyway."""
 

@@ -11,7 +11,7 @@ from tests.fuzz.small_robots import JOINTS, simulate, simulated_logs, write_stud
 
 from exogauge.cli import main
 from exogauge.logs.model import Log
-from exogauge.plausibility.examine import examine_against_robot
+from exogauge.plausibility.examine import examine_against_robot, examine_worn
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.robot_file import load_robot
 
@@ -53,6 +53,25 @@ def test_what_is_as_described_raises_no_doubt(robot: Robot, logs: list[dict[str,
 def test_a_current_with_the_wrong_sign_is_named(robot: Robot, logs: list[dict[str, np.ndarray]], joint: str) -> None:
     name = f"i.{joint}"
     assert said(robot, [each | {name: -each[name]} for each in logs]) == {(name, "effort_reversed")}
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_of_logs_with_a_device_a_wrong_sign_alone_is_named(
+    robot: Robot, logs: list[dict[str, np.ndarray]], joint: str
+) -> None:
+    """Whatever springs pull on the joint, by as much as it bears itself, either way."""
+    name, pulled = f"i.{joint}", list[dict[str, np.ndarray]]()
+    for number, each in enumerate(logs):
+        course = each[f"q.{joint}"] - each[f"q.{joint}"].mean()
+        pull = (-1.0) ** number * each[name].std() * course / course.std()
+        pulled.append(each | {name: each[name] + pull})
+    assert list(examine_worn(robot, [as_log(k, each) for k, each in enumerate(pulled)])) == []
+    turned = [as_log(k, each | {name: -each[name]} if k else each) for k, each in enumerate(pulled)]
+    found = {(log, each.channel, each.rule) for log, each in examine_worn(robot, turned)}
+    assert found <= {(log.name, name, "effort_reversed") for log in turned[1:]}
+    bare = [as_log(k, each | {name: -each[name]} if k else each) for k, each in enumerate(logs)]
+    found = {(log, each.channel, each.rule) for log, each in examine_worn(robot, bare)}
+    assert found == {(log.name, name, "effort_reversed") for log in bare[1:]}
 
 
 @pytest.mark.parametrize("joint", JOINTS)

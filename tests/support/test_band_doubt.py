@@ -20,7 +20,7 @@ from exogauge.support.coloured import autocovariance
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.evidence import Nothing
 from exogauge.support.settings import PlainLog, WornLog
-from exogauge.support.stiffness import identify_bands
+from exogauge.support.stiffness import fit_springs, identify_bands
 
 SIGMA = np.array([0.3, 0.3])
 NAMES = ["torso_pitch", "torso_yaw"]
@@ -192,12 +192,10 @@ def test_95_percent_intervals_hold_the_truth_in_95_of_100_draws(biped, suit, mak
     courses, model, hits = [stoop(1), wander(4)], biped.known(), []
     for draw in range(200):
         evidences = [make_evidence(suit, c, noise=noise, seed=1000 * draw + k) for k, c in enumerate(courses)]
-        left, right = identify_bands(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES).bands
-        hits.append([
-            left.stiffness_interval[0] <= TRUE <= left.stiffness_interval[1],
-            left.natural_length_interval[0] <= 0.67 <= left.natural_length_interval[1],
-            right.natural_length_interval[0] <= 0.68 <= right.natural_length_interval[1],
-        ])  # fmt: skip
+        springs = fit_springs(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES)
+        (stiffness, left), (_, right) = springs.intervals(0), springs.intervals(1)
+        told = (stiffness, TRUE), (left, 0.67), (right, 0.68)
+        hits.append([low <= true <= high for (low, high), true in told])
     share = np.mean(hits, axis=0)
     assert np.all(share >= 0.90), share
     assert share[0] <= 0.98
@@ -213,9 +211,7 @@ def test_intervals_hold_the_truth_though_errors_grow_with_the_pull(biped, suit, 
             clean, noisy = (make_evidence(suit, course, noise=noise, seed=1000 * draw + k) for noise in (0.0, 0.3))
             growing = 1.0 + 3.0 * np.abs(clean.a) / np.abs(clean.a).max()
             evidences.append(replace(noisy, a=clean.a + growing * (noisy.a - clean.a)))
-        low, high = (
-            identify_bands(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES).bands[0].stiffness_interval
-        )
+        (low, high), _ = fit_springs(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES).intervals(0)
         hits.append(low <= TRUE <= high)
     assert 0.88 <= np.mean(hits) <= 0.98
 
@@ -227,9 +223,9 @@ def test_where_doubt_is_skewed_the_profile_holds_the_truth_at_least_as_often(bip
     course = stoop(1, depth=0.5)
     for draw in range(200):
         evidence = make_evidence(suit, course, noise=2.5, seed=draw)
-        band = identify_bands(model, told_nothing(suit), "A", [evidence], SIGMA, [], NAMES).bands[0]
-        low, high = band.stiffness_interval
+        springs = fit_springs(model, told_nothing(suit), "A", [evidence], SIGMA, [], NAMES)
+        ((low, high), _), (stiffness, _) = springs.intervals(0), springs.of(0)
         profile.append(low <= TRUE <= high)
-        symmetric.append(abs(band.stiffness.value - TRUE) <= 1.96 * band.stiffness.std)
+        symmetric.append(abs(stiffness.value - TRUE) <= 1.96 * stiffness.std)
     assert np.mean(profile) >= np.mean(symmetric)
     assert np.mean(profile) >= 0.90

@@ -25,7 +25,7 @@ from exogauge.support.band_fit import best_start, fit_device, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, taut
-from exogauge.support.inputs import Doubts, sloped_samples
+from exogauge.support.inputs import Doubts, Inputs, sloped_samples, variance_of_mean
 from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
 from exogauge.support.settings import SupportSettings
@@ -283,7 +283,7 @@ def test_what_one_fitted_log_of_a_known_session_was_recorded_with_is_what_drifts
 
 @pytest.mark.slow
 def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot, logs):
-    taken = replace(robot, declared=replace(DECLARED, zeros_taken_once=True))
+    taken = replace(robot, declared=replace(DECLARED, zeros_taken="session"))
     square, step, courses = 0.0, 0.02, [gone(log) for log in logs]
     for sensor in biped.robot.contacts:
         for each in FORCES:
@@ -371,14 +371,16 @@ def in_nothing(model, logs, doubts=None):
 
 
 @pytest.mark.slow
-def test_what_is_declared_does_not_count_again_where_logs_without_the_device_show_it(biped, wander):
-    """Zeros of both feet drawn as declared, alike in two runs as partners' are: means in steady motion scatter as much
-    as is taken off them, and samples too."""
+@pytest.mark.parametrize(("taken", "p"), [(None, DEFAULT_DOUBTS.partner_alike), ("log", 0.0)])
+def test_what_is_declared_does_not_count_again_where_logs_without_the_device_show_it(biped, wander, taken, p):
+    """Zeros of both feet drawn as declared, alike in two runs as partners' are, or not at all where they were taken
+    anew before each log: means in steady motion scatter as much as is taken off them, and samples too."""
     nothing_else = replace(
         DECLARED, ft_gain=0.0, ft_gain_common=0.0, kt_drift=0.0, viscous_drift=0.0, coulomb_drift=0.0
     )
-    model = replace(biped, robot=replace(biped.robot, declared=nothing_else)).known()
-    rng, draws, p = np.random.default_rng(0), 40, DEFAULT_DOUBTS.partner_alike
+    stated = replace(nothing_else, zeros_taken=taken)
+    model = replace(biped, robot=replace(biped.robot, declared=stated)).known()
+    rng, draws = np.random.default_rng(0), 40
     clean = [biped.record(wander(1, base_seed=k), f"run{k}").log for k in range(2)]
     names = [f"ft.{sensor.name}.{each}" for sensor in biped.robot.contacts for each in FORCES]
     size = np.tile(np.repeat([DECLARED.ft_zero_force, DECLARED.ft_zero_moment], 3), len(biped.robot.contacts))
@@ -429,14 +431,28 @@ def worn(suit, make_evidence, wander):
     return [make_evidence(suit, wander(seed), 0.3, seed=seed) for seed in (1, 2)]
 
 
-def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, suit, worn):
-    """One motion in one log, and twice: errors of each log alone would be half of the variance, those alike all."""
+@pytest.mark.parametrize("anew", [False, True])
+def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, suit, worn, anew):
+    """One motion in one log, and twice: errors of each log alone are half of the variance, those alike all."""
     drift = np.zeros((len(worn[0].sloped), len(NAMES), 1), dtype=np.float32)
     drift[:, 0, 0] = np.sin(np.linspace(0.0, 9.0, len(drift)))
-    drifting = replace(worn[0], inputs_b=replace(worn[0].inputs_b, own={"kt_drift": drift}))
-    one, two = (contributions(*problem(biped, suit.bands, [drifting] * times), {})["kt_drift"] for times in (1, 2))
-    share = DEFAULT_DOUBTS.alike + 0.5 * (1.0 - DEFAULT_DOUBTS.alike)
+    inputs = replace(worn[0].inputs_b, own={"ft_zero": drift}, anew=frozenset({"ft_zero"} if anew else ()))
+    drifting = replace(worn[0], inputs_b=inputs)
+    one, two = (contributions(*problem(biped, suit.bands, [drifting] * times), {})["ft_zero"] for times in (1, 2))
+    share = 0.5 if anew else DEFAULT_DOUBTS.alike + 0.5 * (1.0 - DEFAULT_DOUBTS.alike)
     np.testing.assert_allclose(two, share * one, rtol=1e-5, atol=1e-9 * np.abs(one).max())
+
+
+@pytest.mark.parametrize("anew", [False, True])
+def test_of_what_is_anew_in_each_log_means_over_logs_average_out_more(biped, model, anew):
+    inputs = Inputs(
+        np.zeros((4, model.equations.size + len(model.inputs.names)), dtype=np.float32),
+        own={"ft_zero": np.full((4, 2), 1.5, dtype=np.float32)},
+        anew=frozenset({"ft_zero"} if anew else ()),
+    )
+    found = variance_of_mean(model, [(inputs, np.full(4, 0.25))] * 3)["ft_zero"]
+    alike = 0.0 if anew else DEFAULT_DOUBTS.alike
+    assert found == pytest.approx(2 * 1.5**2 * (alike + (1.0 - alike) / 3.0), rel=1e-6)
 
 
 def drawn_bands(bands, rng, std):

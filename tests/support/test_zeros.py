@@ -30,7 +30,7 @@ def model(biped):
 
 def of_zeros(biped, taken_once):
     """Every mass is as it is, but every moment a little wrong: what is missed alike in all repetitions is no zero."""
-    declared = Declared(ft_zero_force=FORCE, ft_zero_moment=MOMENT, zeros_taken_once=taken_once)
+    declared = Declared(ft_zero_force=FORCE, ft_zero_moment=MOMENT, zeros_taken="session" if taken_once else None)
     phi = biped.phi.copy()
     phi[:, 1:4] *= 1.03
     return replace(biped, robot=replace(biped.robot, declared=declared), phi=phi).known()

@@ -188,7 +188,8 @@ class Known:
             along = U.T @ fresh
         else:
             D, V = np.linalg.eigh(G.T @ G)
-            along = (V.T @ (G.T @ fresh)) / np.sqrt(np.maximum(D, nothing * float(D.max())))[:, None]
+            least = max(nothing * float(D.max()), 1e-300)  # where the rows hold none of the parameters nothing is along
+            along = (V.T @ (G.T @ fresh)) / np.sqrt(np.maximum(D, least))[:, None]
         return _After(self.now, fresh.T @ fresh - along.T @ along, np.maximum(D, 0.0), along)
 
     def evidence(self, k: int, L: Array) -> float:

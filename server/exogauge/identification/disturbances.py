@@ -151,7 +151,7 @@ def type_b(
     zeros_alike = np.zeros((P, zeros.size if zeros.any() else 0))
     known = session([each.log for each in logs], [True] * len(logs), started)
     going = dict(motors)
-    if robot.declared.zeros_taken_once and zeros.any():
+    if robot.declared.zeros_taken == "session" and zeros.any():
         going[ZERO] = zeros
     along = {name: np.zeros((len(DECLARED.warming_s), P, len(size))) for name, size in going.items() if known}
     in_logs = side_by_side(lambda each: _sums_of(equations, each, solution, xi, cutoff_hz), logs)

@@ -190,8 +190,10 @@ def _zero_phase(size: int) -> Callable[[Array, Array, Array, int, Array], None]:
 
 
 def _worth_it(size: int) -> bool:
-    """For little, what is there already: to load compiled passes takes longer."""
-    return size >= MANY or any(each.cache_info().currsize for each in (_compiled_zero_phase, _compiled_both_ways))
+    """For little, what is there already: to load compiled passes takes longer; not for little again and again."""
+    often = 1000  # times: half a second
+    loaded = any(each.cache_info().currsize for each in (_compiled_zero_phase, _compiled_both_ways))
+    return loaded or size >= MANY or _sections.cache_info().hits >= often
 
 
 @cache

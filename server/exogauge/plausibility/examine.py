@@ -32,7 +32,7 @@ from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
 from exogauge.plausibility.remedies import Remedy
-from exogauge.plausibility.search import Slip, find_slips, gravity_left_out
+from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.plausibility.unlike import Unlike
 from exogauge.plausibility.zeros import Zero, find_zeros, moved_zeros
@@ -160,7 +160,7 @@ def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[
 
 def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None) -> Iterator[tuple[str, Finding]]:
     """(name of the log, finding) of logs with a device on: what feet and IMU tell of the base, in whose balance no band
-    and no motor is. What every joint bears is not looked at."""
+    and no motor is. What a joint bears is a device's too: no more is told of it than a sign."""
     criteria = criteria or Comparing()
     for log, seen in zip(logs, side_by_side(partial(take, robot, criteria=criteria), logs), strict=True):
         yield from ((log.name, finding) for finding in half_measured(robot, log))
@@ -174,6 +174,9 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
             yield log.name, as_late(late)
         elif points := other_points(robot, [seen]):
             yield from ((log.name, finding) for finding in as_other_points(robot, points))
+        else:
+            for slip in reversed_efforts(Expected(robot, seen)):
+                yield log.name, as_finding(robot, slip)
 
 
 def half_measured(robot: Robot, log: Log) -> Iterator[Finding]:

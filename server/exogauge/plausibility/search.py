@@ -99,6 +99,21 @@ def gravity_left_out(robot: Robot, expected: Sequence[Expected]) -> Slip | None:
     return Slip(remedy, evidence, *state.worst_of(remedy), logs=tuple(each.seen.log for each in expected))
 
 
+def reversed_efforts(one: Expected) -> list[Slip]:
+    """Of one log, whatever else acts in it: efforts that fit with their sign turned, and as they are neither with any
+    factor nor half as well. A device would have to pull with twice what the joint bears, and feed its friction."""
+    criteria, found = one.seen.criteria, list[Slip]()
+    coupled_axes = coupled(one.robot)
+    for axis in range(len(one.robot.joints)):
+        if not one.tells(axis) or len(coupled_axes[axis]) > 1:
+            continue
+        now, turned = one.likelihood(axis), one.likelihood(axis, -1.0, near=True)
+        before, evidence = one.left(axis)[0], turned.described - now.any
+        if evidence > criteria.decisive and turned.misfit <= criteria.halved * before:
+            found.append(Slip(reversals(axis)[0], evidence, before, turned.misfit, logs=(one.seen.log,)))
+    return found
+
+
 def _mended(seen: Snapshot, slips: Sequence[Slip]) -> Snapshot:
     for slip in slips:
         seen = slip.remedy.undo(seen) if seen.log in slip.logs else seen

@@ -69,9 +69,10 @@ class Declared:
     ft_zero_moment [N·m]: zero of one component, another in each log. kt_drift: share by which a motor gives more than
     k_T i, another in each log and joint; viscous_drift, coulomb_drift: by which it has more of that friction, the same.
     imu_tilt [rad]: of the IMU's mounting, about each axis across.
-    zeros_taken_once: zeros of force/torque sensors were taken as the session began, and what is declared is how far
-    they drift until its end. torque_zero [N·m, N where it slides]: a constant of a joint's torque, another in each
-    log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint -> what is stated of it alone.
+    zeros_taken: of force/torque sensors. `session`: as it began, and what is declared is how far they drift until its
+    end; `log`: anew before each, so that no two logs err alike. torque_zero [N·m, N where it slides]: a constant of a
+    joint's torque, another in each log, beside what zeros of force/torque sensors make of it; torque_zero_of: joint ->
+    what is stated of it alone.
     defaulted: names of those that nobody stated.
     """
 
@@ -87,7 +88,7 @@ class Declared:
     imu_tilt: float = 0.0
     encoder_zero: float = 0.0
     clock: float = 0.0
-    zeros_taken_once: bool = False
+    zeros_taken: Literal["session", "log"] | None = None
     torque_zero: float = 0.0
     torque_zero_of: Mapping[str, float] = field(default_factory=dict)
     defaulted: frozenset[str] = frozenset()

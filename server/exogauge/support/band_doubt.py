@@ -108,16 +108,16 @@ def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Arr
     zeros drift: a share of their variance is alike in all of these logs, or all where the session is known."""
     total, known = np.zeros((weighted.shape[2], 0)), True
     of_each_log: dict[str, Array] = {}
-    together, session, alike = dict[str, Array](), dict[str, Array](), DECLARED.alike
+    together, session = dict[str, Array](), dict[str, Array]()
     for log, span in zip(logs.logs, logs.spans, strict=True):
         if log.slope is None and not log.inputs:
             known = False
             continue
         g = log.at_slopes(weighted[span])
         for name, own in log.own.items():
-            moved = _through(g, own)
+            moved, alike = _through(g, own), 0.0 if name in log.anew else DECLARED.alike
             of_each_log[name] = of_each_log.get(name, 0.0) + (1.0 - alike) * moved @ moved.T
-            together[name] = together.get(name, 0.0) + moved
+            together[name] = together.get(name, 0.0) + np.sqrt(alike) * moved
         for name, inputs in log.session.items():
             session[name] = session.get(name, 0.0) + _through(g, inputs)
         if log.slope is None:
@@ -125,7 +125,7 @@ def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Arr
         else:
             total = _through(g, log.slope) + (total if total.size else 0.0)
     for name, moved in together.items():
-        of_each_log[name] = of_each_log[name] + alike * moved @ moved.T
+        of_each_log[name] = of_each_log[name] + moved @ moved.T
     for name, moved in session.items():
         of_each_log[name] = of_each_log.get(name, 0.0) + moved @ moved.T
     return total if known else None, of_each_log

@@ -90,8 +90,10 @@ class BandInputs:
         parts = {place: each for place, each in enumerate(self._logs.logs) if ZERO in each.own or ZERO in each.session}
         for place, log in parts.items():
             if ZERO in log.own:
-                yield from self._of_logs({place: log}, np.sqrt(1.0 - DECLARED.alike))
-        yield from self._of_logs(parts, np.sqrt(DECLARED.alike))
+                alone = 1.0 if ZERO in log.anew else np.sqrt(1.0 - DECLARED.alike)
+                yield from self._of_logs({place: log}, alone)
+        in_common = {place: log for place, log in parts.items() if ZERO not in log.anew}
+        yield from self._of_logs(in_common, np.sqrt(DECLARED.alike))
 
     def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
         """(n, D) of each zero that these logs have in common. share: of a log's own."""

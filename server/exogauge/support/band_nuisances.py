@@ -39,17 +39,27 @@ class Between:
     def times(self, v: Array) -> Array:
         """(N, D, …) of (m, …)."""
         n, D, _ = self.values.shape
-        return np.asarray(self.shares.T @ (self.values @ v).reshape(n, -1)).reshape(-1, D, *v.shape[1:])
+        return np.asarray(self._of_each @ (self.values @ v).reshape(n, -1)).reshape(-1, D, *v.shape[1:])
 
     def against(self, X: Array) -> Array:
         """(m, …) sums over samples and joints of (N, D, …)."""
-        n, D, m = self.values.shape
+        n, D, _ = self.values.shape
         own = np.asarray(self.shares @ X.reshape(len(X), -1)).reshape(n * D, *X.shape[2:])
-        return np.asarray(self.values.reshape(n * D, m).T @ own)
+        return np.asarray(self._flat.T @ own)
 
     def at(self, chosen: IntArray) -> Between:
         """The same for some of the N."""
         return Between(self.values, self.shares[:, chosen])
+
+    @cached_property
+    def _flat(self) -> Array:
+        """(n D, m): multiplied at once, not sample by sample."""
+        return self.values.reshape(-1, self.values.shape[2])
+
+    @cached_property
+    def _of_each(self) -> scipy.sparse.csr_array:
+        """(N, n) shares turned around: a search asks for them thousands of times."""
+        return self.shares.T.tocsr()
 
 
 @final

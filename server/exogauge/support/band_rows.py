@@ -36,7 +36,7 @@ class WearLog:
     passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
     it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known. own:
     declared uncertainty -> (m, D, K) [N·m] one standard deviation each of what is this log's own.
-    session: the same of what all logs have in common.
+    session: the same of what all logs have in common. anew: as of `Inputs`.
     share: how many logs with the wear it stands for. zero_std: (D,) [N·m] of a constant torque that is this log's own;
     None: there is none.
     """
@@ -54,6 +54,7 @@ class WearLog:
     share: float = 1.0
     own: ByName = field(default_factory=dict)
     session: ByName = field(default_factory=dict)
+    anew: frozenset[str] = frozenset()
     zero_std: Array | None = None
 
     @property
@@ -214,7 +215,7 @@ def rows_without(
         share = worn.count(each.motion) / sum(other.motion == each.motion for other in nothings)
         time, kept = each.time - each.time[0], np.arange(len(each.time))
         own = WearLog("", each.motion, time, each.posture, kept, *pair, each.sloped, None, share=share,
-                      own=each.own, session=each.session, zero_std=zero_std)  # fmt: skip
+                      own=each.own, session=each.session, anew=each.anew, zero_std=zero_std)  # fmt: skip
         logs.append(own)
     return WearLogs(logs, joints, names) if logs else None
 
@@ -245,6 +246,7 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
         slope=inputs.slope,
         own=inputs.own,
         session=inputs.session,
+        anew=inputs.anew,
         low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
     )
 

@@ -252,6 +252,7 @@ def _nothing(plain: Plain, motion: str, doubts: Doubts) -> Nothing:
         own.steady[kept],
         np.searchsorted(kept, sloped),
         *doubts.declared(own.prepared, sloped),
+        doubts.anew,
     )
 
 

@@ -98,7 +98,7 @@ class Evidence:
 @dataclass(frozen=True)
 class Nothing:
     """A log without the device, at its kept samples: (n,) time [s], (n, J) posture, (n, D) torques that ought to be
-    zero. own, session: as of `Inputs`, at the places `sloped` among the kept samples."""
+    zero. own, session, anew: as of `Inputs`, at the places `sloped` among the kept samples."""
 
     motion: str
     time: Array
@@ -109,6 +109,7 @@ class Nothing:
     sloped: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     own: ByName = field(default_factory=dict)
     session: ByName = field(default_factory=dict)
+    anew: frozenset[str] = frozenset()
 
 
 @final

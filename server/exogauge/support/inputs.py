@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
+from exogauge.identification.disturbances import ZERO
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.support.balance import of_this_log, slopes
@@ -27,31 +28,35 @@ ByName = Mapping[str, NDArray[np.float32]]
 class Inputs:
     """At n samples of one log, or of a difference of two. slope: (n, D, P + I) ∂torque/∂x and with the common inputs
     (`RobotModel.doubt`). own: declared uncertainty -> (n, D, K) [N·m] one standard deviation each of what is this
-    log's own, and its partner's; session: the same of what all logs of a session have in common (`Drift`, `Zeros`)."""
+    log's own, and its partner's; session: the same of what all logs of a session have in common (`Drift`, `Zeros`).
+    anew: names of those of `own` that are no more alike in two logs than chance has it."""
 
     slope: NDArray[np.float32]
     own: ByName = field(default_factory=dict)
     session: ByName = field(default_factory=dict)
+    anew: frozenset[str] = frozenset()
 
     def less(self, partner: Inputs, joints: BoolArray | None = None) -> Inputs:
         """Of a difference of two runs, of this run alone where not `joints` (D,). What drifts in both runs alike comes
         first, then what each has alone."""
         theirs = np.ones((1, 1, 1), dtype=np.bool_) if joints is None else joints[None, :, None]
-        both, alone = np.float32(np.sqrt(DECLARED.partner_alike)), np.float32(np.sqrt(1.0 - DECLARED.partner_alike))
         own = dict[str, NDArray[np.float32]]()
         for name, each in self.own.items():
             taken_off = np.where(theirs, partner.own[name], np.float32(0.0))
+            alike = 0.0 if name in self.anew else DECLARED.partner_alike
+            both, alone = np.float32(np.sqrt(alike)), np.float32(np.sqrt(1.0 - alike))
             own[name] = np.concatenate([both * (each - taken_off), alone * each, alone * taken_off], axis=2)
         return Inputs(
             np.where(theirs, self.slope - partner.slope, self.slope),
             own,
             {name: np.where(theirs, each - partner.session[name], each) for name, each in self.session.items()},
+            self.anew,
         )
 
     def joint(self, place: int) -> Inputs:
         """(n, P + I), (n, K) each, of one of the D joints."""
         own, session = ({name: part[:, place] for name, part in each.items()} for each in (self.own, self.session))
-        return Inputs(self.slope[:, place], own, session)
+        return Inputs(self.slope[:, place], own, session, self.anew)
 
     @property
     def declared(self) -> ByName:
@@ -73,7 +78,12 @@ class Doubts:
         slope = np.zeros((len(samples), len(joints), model.equations.size + len(model.inputs.names)), dtype=np.float32)
         for place, each in slopes(model, prepared, samples, joints):
             slope[:, place] = each
-        return Inputs(slope, *self.declared(prepared, samples))
+        return Inputs(slope, *self.declared(prepared, samples), self.anew)
+
+    @property
+    def anew(self) -> frozenset[str]:
+        """As of `Inputs`."""
+        return frozenset({ZERO} if self.model.robot.declared.zeros_taken == "log" else ())
 
     def declared(self, prepared: Prepared, samples: IntArray) -> tuple[ByName, ByName]:
         """Those that are one log's own, and those of the session (`Inputs`)."""
@@ -133,13 +143,14 @@ def variance_of_mean(model: RobotModel, means: Sequence[tuple[Inputs, Array]]) -
     """Source -> variance [N²·m²] of the mean over K logs of one joint's means. They err alike at every sample of a log.
 
     means: of each log, `Inputs.joint` and `weights_of_mean`."""
-    K, alike = len(means), DECLARED.alike
+    K = len(means)
     S = np.mean([weights @ each.slope for each, weights in means], axis=0)
     own = [{name: weights @ part for name, part in each.own.items()} for each, weights in means]
     session = [{name: weights @ part for name, part in each.session.items()} for each, weights in means]
     found = {source: max(float(S @ C @ S), 0.0) for source, C in model.doubt_by_source.items()}
     for source in own[0]:
         every = np.array([parts[source] for parts in own])
+        alike = 0.0 if source in means[0][0].anew else DECLARED.alike
         square = alike * np.sum(np.mean(every, axis=0) ** 2) + (1.0 - alike) * np.sum(every**2) / K**2
         found[source] = found.get(source, 0.0) + float(square)
     for source in session[0]:

@@ -87,7 +87,7 @@ def find_zeros(
 ) -> Zeros | None:
     """None where no zero is in doubt, no base row sees them, it is not said that they were taken once, or not of every
     log when it began."""
-    if not model.robot.declared.zeros_taken_once:
+    if model.robot.declared.zeros_taken != "session":
         return None
     size, known = zeros_in_doubt(model.robot), session_of(plain, [each.log for each in worn], started)
     if not model.robot.floating or not size.any() or known is None:

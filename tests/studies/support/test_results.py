@@ -80,7 +80,7 @@ def test_a_number_stands_with_what_its_doubt_is_made_of_the_largest_part_first()
 def test_every_source_of_doubt_is_told_in_words_with_what_would_make_it_smaller() -> None:
     declared = {each.name for each in dataclasses.fields(Declared)} - {
         "torque_zero_of",
-        "zeros_taken_once",
+        "zeros_taken",
         "defaulted",
     }
     declared = {name.removesuffix("_force").removesuffix("_moment") for name in declared}

@@ -276,7 +276,8 @@ class Noise(_Part):
 class RobotUncertainty(_Part):
     """Standard uncertainties that no log shows; of a key that is left out, what is usual (`criteria.declaring`).
 
-    zeros_taken: `session` where those of the force/torque sensors were taken once, before its first log.
+    zeros_taken: `session` where those of the force/torque sensors were taken once, before its first log; `log` where
+    they were taken anew before every one.
     """
 
     ft_gain: NotNegative | None = None
@@ -292,7 +293,7 @@ class RobotUncertainty(_Part):
     encoder_zero: NotNegative | None = None
     clock: NotNegative | None = None
     torque_zero: NotNegative | dict[Name, NotNegative] | None = None
-    zeros_taken: Literal["session"] | None = None
+    zeros_taken: Literal["session", "log"] | None = None
 
 
 class DeviceUncertainty(_Part):

@@ -125,7 +125,7 @@ def _declared(entry: RobotFile, page: YamlPage) -> Declared:
     left_out = frozenset(key for key, (value, _) in values.items() if value is None)
     return Declared(
         **{key: usual if value is None else value for key, (value, usual) in values.items()},
-        zeros_taken_once=entry.uncertainty.zeros_taken == "session",
+        zeros_taken=entry.uncertainty.zeros_taken,
         torque_zero_of=of_joints,
         defaulted=left_out,
     )
