@@ -344,6 +344,9 @@ class Comparing:
         judgement(RULES),
     )
     most_moments: float = criterion(0.5, "1", "of a log, in which contacts have to bear the robot", judgement(RULES))
+    bears: float = criterion(
+        0.1, "1", "of what all feet bear: a foot that bears less may stand on an edge, or in the air", judgement(RULES)
+    )
     halved: float = criterion(
         0.5, "1", "of the angle may be left: else it may be lean, sway or a foot's frame", judgement(RULES)
     )

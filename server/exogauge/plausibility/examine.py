@@ -34,6 +34,7 @@ from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts
 from exogauge.plausibility.snapshot import Snapshot, take
+from exogauge.plausibility.soles import TurnedLeg, turned_leg
 from exogauge.plausibility.unlike import Unlike
 from exogauge.plausibility.zeros import Zero, find_zeros, moved_zeros
 from exogauge.robots.description import Robot
@@ -77,6 +78,11 @@ def examine_against_robot(
             yield log.name, finding
     chosen = _looked_at(logs, fitted, criteria.most_logs)
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
+    leg = turned_leg(robot, seen)
+    if leg is not None:  # before all that feet tell of the base
+        seen = [leg.remedy.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_turned_leg(robot, leg)
     axes = contact_axes(robot, seen)
     if axes is not None:  # before the IMU, which is told by the contacts
         seen = [axes.undo(each) for each in seen]
@@ -166,7 +172,9 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
         yield from ((log.name, finding) for finding in half_measured(robot, log))
         if seen is None:
             continue
-        if turned := imu_findings(robot, [seen]):
+        if leg := turned_leg(robot, [seen]):
+            yield log.name, as_turned_leg(robot, leg)
+        elif turned := imu_findings(robot, [seen]):
             yield log.name, turned[log.name]
         elif sides := exchanged_contacts(robot, [seen]):
             yield log.name, as_exchanged(robot, sides)
@@ -293,6 +301,18 @@ def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
     )
     advice = f"in a mapping, take for its forces and moments {axes.words}, or turn its frame in the URDF"
     return Finding("error", channel, "wrench_axes", detail, advice, value=axes.before)
+
+
+def as_turned_leg(robot: Robot, leg: TurnedLeg) -> Finding:
+    joint, (one, other) = leg.remedy.joints[0], (robot.contacts[each].frame for each in leg.pair)
+    said = "and its effort have their signs turned" if leg.remedy.kind == "both" else "has its sign turned"
+    also = "".join(f", or q.{robot.joints[each].name}" for each in leg.rivals)
+    detail = (
+        f"{said}{also}: {one} and {other}, which both bear the robot, turn against each other by "
+        f"{np.degrees(leg.before):.1f}° (rms) as it is, and by {np.degrees(leg.after):.1f}° so"
+    )
+    advice = SAID[leg.remedy.rule][1]
+    return Finding("error", f"q.{robot.joints[joint].name}", leg.remedy.rule, detail, advice, value=-1.0)
 
 
 def as_other_points(robot: Robot, points: OtherPoints) -> Iterator[Finding]:
