@@ -167,3 +167,41 @@ def test_feet_or_an_imu_of_another_clock_are_told_with_the_time_and_nothing_else
     assert [(log, each.channel, each.rule) for log, each in found] == [(each.name, channel, rule) for each in logs]
     for _, each in found:
         assert each.value == pytest.approx(1e-3 * milliseconds, abs=max(0.015, 0.1e-3 * abs(milliseconds)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alike", [False, True])
+def test_feet_that_are_late_show_in_slow_motions_of_bodies_that_are_off(robot: Robot, alike: bool) -> None:  # noqa: F811
+    """What a delay leaves there is less than what bodies do that weigh a tenth more than described."""
+    log = record(4, 0.0, 0.0, slower=4.0, alike=alike)
+    assert list(examine_worn(robot, [log])) == []
+    read = {name: np.roll(each, 40) if name.startswith("ft") else each for name, each in log.channels.items()}
+    late = replace(log, time=log.time[40:-40], channels={name: each[40:-40] for name, each in read.items()})
+    ((_, found),) = examine_worn(robot, [late])
+    assert (found.channel, found.rule) == ("ft.*", "wrench_clock")
+    assert found.value == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("feet", [FEET, FEET[:1]])
+def test_moments_that_are_told_about_the_joint_are_named_with_the_place(
+    robot: Robot,  # noqa: F811
+    logs: list[Log],
+    feet: tuple[str, ...],
+) -> None:
+    """The legs' joints are 0.4 m above the soles: M about the joint is M about the sole, less p × F."""
+
+    def told(log: Log) -> Log:
+        columns = dict[str, np.ndarray]()
+        for foot in feet:
+            columns[f"ft.{foot}.mx"] = log.channels[f"ft.{foot}.mx"] + 0.4 * log.channels[f"ft.{foot}.fy"]
+            columns[f"ft.{foot}.my"] = log.channels[f"ft.{foot}.my"] - 0.4 * log.channels[f"ft.{foot}.fx"]
+        return replace(log, channels=log.channels | columns)
+
+    wrong = [told(each) for each in logs]
+    expected = {(each.name, f"ft.{foot}", "wrench_point") for each in logs for foot in feet}
+    for found in (list(examine_against_robot(robot, wrong)), list(examine_worn(robot, wrong))):
+        assert {(log, each.channel, each.rule) for log, each in found} == expected
+        for _, each in found:
+            assert f"the joint {each.channel.removeprefix('ft.')}_leg, [0.000, 0.000, 0.400] m" in each.detail
+            assert each.value == pytest.approx(0.4)

@@ -109,7 +109,7 @@ def behind(columns: Columns) -> Columns:
 def test_logs_whose_imu_is_far_behind_are_not_unexplained(tmp_path: Path) -> None:
     found = evaluated(tmp_path, {name: behind(columns) for name, columns in recorded(True).items()}, True)
     (told,) = [each for each in found["notices"] if each["code"] == "spoiled_fit"]
-    assert "acc and gyro come 14" in told["sentence"]
+    assert "acc and gyro come 150 ms late" in told["sentence"]
     assert found["discrepancy"]["verdict"] == "undecided"
 
 

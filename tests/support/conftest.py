@@ -154,30 +154,30 @@ class Biped:
         """
         t, rng = course.time, np.random.default_rng(seed)
         data = self.model.createData()
-        T, J = course.q.shape
-        tau, support, base = np.empty((T, J)), np.empty((T, J)), np.empty((T, 6))
-        feet, acc, gyro = np.empty((T, 2, 6)), np.empty((T, 3)), np.empty((T, 3))
-        R_imu, r_imu = self.robot.T_base_imu.rotation, self.robot.T_base_imu.translation
-        frames, left, more = [self.model.getFrameId(foot) for foot in FEET], share(t)[:, None], against(t)
+        T = len(t)
+        turned = [body_rates(*each) for each in zip(course.angle, course.rate, course.turn, strict=True)]
+        R, w, wd = (np.array(each) for each in zip(*turned, strict=True))
+        q, v, a = np.tile(pin.neutral(self.model), (T, 1)), *np.zeros((2, T, self.model.nv))
+        q[:, 3:7], q[:, self.at + 1] = [pin.Quaternion(each).coeffs() for each in R], course.q
+        v[:, 3:6], v[:, self.at] = w, course.dq
+        a[:, :3], a[:, 3:6], a[:, self.at] = np.einsum("tji,tj->ti", R, course.push), wd, course.ddq
+        pulls, frames = self.pulls(q, bands), [self.model.getFrameId(foot) for foot in FEET]
+        needed, K = np.empty((T, self.model.nv)), np.empty((T, len(FEET), 6, self.model.nv))
         for k in range(T):
-            R, w, wd = body_rates(course.angle[k], course.rate[k], course.turn[k])
-            q, v, a = pin.neutral(self.model), np.zeros(self.model.nv), np.zeros(self.model.nv)
-            q[3:7] = pin.Quaternion(R).coeffs()
-            q[self.at + 1], v[self.at], a[self.at] = course.q[k], course.dq[k], course.ddq[k]
-            v[3:6], a[:3], a[3:6] = w, R.T @ course.push[k], wd
-            pulls = self.pulls(data, q, bands)
-            needed = pin.rnea(self.model, data, q, v, a).copy() - pulls
-            base[k], support[k] = needed[:6], pulls[self.at]
-            carried = left[k] * base[k] + more[k]
-            for foot, (frame, own) in enumerate(zip(frames, (carried, base[k] - carried), strict=True)):
-                K = pin.computeFrameJacobian(self.model, data, q, frame, pin.LOCAL)
-                feet[k, foot] = np.linalg.solve(K[:, :6].T, own)
-                needed = needed - K.T @ feet[k, foot]
-            assert np.abs(needed[:6]).max() < 1e-8
-            tau[k] = needed[self.at]
-            at_base = R.T @ (course.push[k] + [0, 0, 9.81])
-            acc[k], gyro[k] = at_base + (pin.skew(wd) + pin.skew(w) @ pin.skew(w)) @ r_imu, w
-        acc, gyro = acc @ R_imu, gyro @ R_imu
+            needed[k] = pin.rnea(self.model, data, q[k], v[k], a[k])
+            for foot, frame in enumerate(frames):
+                K[k, foot] = pin.computeFrameJacobian(self.model, data, q[k], frame, pin.LOCAL)
+        needed -= pulls
+        base, support = needed[:, :6].copy(), pulls[:, self.at]
+        carried = share(t)[:, None] * base + against(t)
+        own = np.stack([carried, base - carried], axis=1)
+        feet = np.linalg.solve(K[..., :6].swapaxes(2, 3), own[..., None])[..., 0]
+        needed -= np.einsum("tfij,tfi->tj", K, feet)
+        assert np.abs(needed[:, :6]).max() < 1e-8
+        tau, r_imu, R_imu = needed[:, self.at], self.robot.T_base_imu.translation, self.robot.T_base_imu.rotation
+        at_base = np.einsum("tji,tj->ti", R, course.push + np.array([0, 0, 9.81]))
+        acc = (at_base + np.cross(wd, r_imu) + np.cross(w, np.cross(w, r_imu))) @ R_imu
+        gyro = w @ R_imu
         drive, held = self.drive(course, tau, stuck, extra)
         channels = {f"q.{joint}": course.q[:, j] + noise * 1e-5 * rng.normal(size=T) for j, joint in enumerate(ORDER)}
         channels |= {f"i.{joint}": drive[:, j] + noise * 0.02 * rng.normal(size=T) for j, joint in enumerate(ORDER)}
@@ -200,29 +200,34 @@ class Biped:
     def legs(self) -> list[int]:
         return LEGS
 
-    def pulls(self, data: pin.Data, q: np.ndarray, bands: Sequence[Band]) -> np.ndarray:
-        """(nv,) generalised force of linear bands: every segment draws its two ends together, virtual work by the
-        Jacobians of the points."""
-        total = np.zeros(self.model.nv)
-        if not bands:
-            return total
-        pin.computeJointJacobians(self.model, data, q)
-        pin.updateFramePlacements(self.model, data)
+    def pulls(self, q: np.ndarray, bands: Sequence[Band]) -> np.ndarray:
+        """(T, nv) generalised force of linear bands: every segment draws its two ends together, virtual work by the
+        Jacobians of the points. q: (T, nq)."""
+        total, data = np.zeros((len(q), self.model.nv)), self.model.createData()
+        frames = {via.link: self.model.getFrameId(via.link) for band in bands for via in band.via_points}
+        place, turn, jacobian = (
+            {link: np.empty((len(q), *size)) for link in frames} for size in ((3,), (3, 3), (6, self.model.nv))
+        )
+        for k in range(len(q) if frames else 0):
+            pin.computeJointJacobians(self.model, data, q[k])
+            pin.updateFramePlacements(self.model, data)
+            for link, frame in frames.items():
+                T = data.oMf[frame]
+                place[link][k], turn[link][k] = T.translation, T.rotation
+                jacobian[link][k] = pin.getFrameJacobian(self.model, data, frame, pin.LOCAL_WORLD_ALIGNED)
         for band in bands:
-            x, jacobian = zip(*(self.point(data, via) for via in band.via_points), strict=True)
-            apart = np.diff(x, axis=0)
-            length = np.linalg.norm(apart, axis=1)
-            tension = band.stiffness * max(length.sum() - band.natural_length, 0.0)
-            for s in range(len(length)):
-                pull = tension * apart[s] / length[s]
-                total += jacobian[s].T @ pull - jacobian[s + 1].T @ pull
+            arms = np.stack([turn[via.link] @ np.array(via.xyz) for via in band.via_points], axis=1)
+            x = arms + np.stack([place[via.link] for via in band.via_points], axis=1)
+            apart = np.diff(x, axis=1)
+            length = np.linalg.norm(apart, axis=2, keepdims=True)
+            tension = band.stiffness * np.maximum(length.sum(axis=1, keepdims=True) - band.natural_length, 0.0)
+            pull, force = tension * apart / length, np.zeros_like(x)
+            force[:, :-1] += pull
+            force[:, 1:] -= pull
+            wrench = np.concatenate([force, np.cross(arms, force)], axis=2)
+            for point, via in enumerate(band.via_points):
+                total += np.einsum("tij,ti->tj", jacobian[via.link], wrench[:, point])
         return total
-
-    def point(self, data: pin.Data, via: ViaPoint) -> tuple[np.ndarray, np.ndarray]:
-        frame = self.model.getFrameId(via.link)
-        T, J = data.oMf[frame], pin.getFrameJacobian(self.model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-        x = T.rotation @ np.array(via.xyz)
-        return T.translation + x, J[:3] - pin.skew(x) @ J[3:]
 
     def drive(self, course: Course, tau: np.ndarray, stuck: Callable, extra: Callable) -> tuple[np.ndarray, np.ndarray]:
         """(T, A) currents, and which joints a held axis makes uncertain."""

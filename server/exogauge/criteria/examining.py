@@ -279,6 +279,9 @@ class Comparing:
         judgement(RULES),
     )
     sides_falls: float = criterion(0.5, "1", "of that may be left once two feet are exchanged back", judgement(RULES))
+    apart_m: float = criterion(
+        0.01, "m", "between two places about which a foot's moments are tried to be told", judgement(RULES)
+    )
     delay: float = criterion(
         20.0,
         "log likelihood",

@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.units import UNITS
+from exogauge.plausibility.base_fit import MOMENTS, BaseFit, spread_of
 from exogauge.plausibility.described import asked_of
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.plausibility.summit import summit
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
-
-MOMENTS = slice(3, 6)  # of the base's rows
 
 
 @final
@@ -110,7 +109,7 @@ def exchanged_contacts(robot: Robot, seen: Sequence[Snapshot]) -> Exchanged | No
         return None
     criteria = seen[0].criteria
     asked, given = [_asked(robot, each) for each in seen], [_given(robot, each) for each in seen]
-    swings = _rms(given)
+    swings = spread_of(given)
     before = _difference(asked, given)
     if swings <= 0.0:
         return None
@@ -138,7 +137,7 @@ def contact_axes(robot: Robot, seen: Sequence[Snapshot]) -> OtherAxes | None:
         so = [_given(robot, tried.undo(each)) for each in seen]
         return _difference(asked, so) / swings, _difference(given, so) / swings
 
-    swings = _rms(asked)
+    swings = spread_of(asked)
     before = _difference(asked, given) / swings if swings > 0.0 else 0.0
     if before <= 0.0:
         return None
@@ -174,7 +173,7 @@ def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
     def tried(factor: float) -> tuple[float, float]:
         scaled = MomentUnit(factor, 0.0, 0.0)
         given = [_given(robot, scaled.undo(each)) for each in seen]
-        return _difference(asked, given), _rms(given)
+        return _difference(asked, given), spread_of(given)
 
     left, swings = tried(1.0)
     if swings <= 0.0 or left < criteria.sides_before * swings:
@@ -189,22 +188,24 @@ def moment_unit(robot: Robot, seen: Sequence[Snapshot]) -> MomentUnit | None:
 
 
 def late_imu_or_contacts(robot: Robot, seen: Snapshot) -> Late | None:
-    """What is late by itself: all contact sensors alike, or the IMU. None where bodies as described are not left half
-    unasked for, or by hardly any time.
+    """What is late by itself: all contact sensors alike, or the IMU. None where no shift halves what is left by bodies
+    that are off by as much as stated, or one by hardly any time does.
 
     Joints tell which: a base's own sway is given by both, and would as well be early in the one as late in the other.
     """
     if not robot.tree.floating or not robot.contacts:
         return None
-    asked, criteria = _asked(robot, seen), seen.criteria
-    swings, shifts = _rms([_given(robot, seen)]), range(len(seen.lags))
-    if swings <= 0.0:
+    criteria, fit = seen.criteria, BaseFit(robot, [seen])
+    if fit.swings <= 0.0:
         return None
     found = list[Late]()
     for of_imu in (False, True):
-        tried = [Late(0.0, 0.0, 0.0, shift, of_imu).undo(seen) for shift in shifts]
-        left = [_rms([(_asked(robot, each) if of_imu else asked) - _given(robot, each)]) for each in tried]
-        if late := _late(seen, np.array(left) / swings, of_imu):
+        tried = [Late(0.0, 0.0, 0.0, shift, of_imu).undo(seen) for shift in range(len(seen.lags))]
+        left = [fit.left([each]) for each in tried]
+        if of_imu and seen.lags[best := int(np.argmin(left))] != 0.0:  # what bodies may ask for goes with it
+            then = BaseFit(robot, [tried[best]])
+            left = [then.left([each]) for each in tried]
+        if late := _late(seen, np.array(left), of_imu):
             found.append(late)
     late = min(found, key=lambda each: each.after, default=None)
     least = criteria.imu_delay_least_s if late and late.of_imu else criteria.delay_least_s
@@ -231,9 +232,4 @@ def _given(robot: Robot, seen: Snapshot) -> Array:
 
 
 def _difference(some: Sequence[Array], others: Sequence[Array]) -> float:
-    return _rms([a - b for a, b in zip(some, others, strict=True)])
-
-
-def _rms(logs: Sequence[Array]) -> float:
-    """About each log's mean: where a centre of mass is not as described, a constant is left."""
-    return float(np.sqrt(np.mean(np.concatenate([each - each.mean(axis=0) for each in logs]) ** 2)))
+    return spread_of([a - b for a, b in zip(some, others, strict=True)])

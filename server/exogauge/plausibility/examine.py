@@ -26,10 +26,11 @@ from exogauge.plausibility.base_moments import (
     late_imu_or_contacts,
     moment_unit,
 )
+from exogauge.plausibility.contact_points import OtherPoints, other_points
 from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
-from exogauge.plausibility.imu_frame import directions, imu_rules
+from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts
 from exogauge.plausibility.snapshot import Snapshot, take
@@ -95,6 +96,11 @@ def examine_against_robot(
         seen = [sides.undo(each) for each in seen]
         for log in logs:
             yield log.name, as_exchanged(robot, sides)
+    points = other_points(robot, seen)
+    if points is not None:
+        seen = [points.undo(each) for each in seen]
+        for log in logs:
+            yield from ((log.name, finding) for finding in as_other_points(robot, points))
     for place, one in enumerate(seen):
         if late := late_imu_or_contacts(robot, one):
             seen[place] = late.undo(one)
@@ -160,10 +166,14 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
         yield from ((log.name, finding) for finding in half_measured(robot, log))
         if seen is None:
             continue
-        if sides := exchanged_contacts(robot, [seen]):
+        if turned := imu_findings(robot, [seen]):
+            yield log.name, turned[log.name]
+        elif sides := exchanged_contacts(robot, [seen]):
             yield log.name, as_exchanged(robot, sides)
         elif late := late_imu_or_contacts(robot, seen):
             yield log.name, as_late(late)
+        elif points := other_points(robot, [seen]):
+            yield from ((log.name, finding) for finding in as_other_points(robot, points))
         else:
             for slip in reversed_efforts(Expected(robot, seen)):
                 yield log.name, as_finding(robot, slip)
@@ -238,12 +248,14 @@ def _dead_and_no_slip(
 
 def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
     """log -> what its accelerometer contradicts."""
-    found = [(each, directions(robot, each)) for each in seen]
+    found = [(each, up) for each in seen if (up := directions(robot, each)) is not None]
+    if world := told_on_floor([up for _, up in found]):  # as a mapping has it: a log that tilts little does not show it
+        return {each.log: world for each in seen}
+    rules = {each.log: told_on_floor([up]) or next(imu_rules(robot, up), None) for each, up in found}
     return {
         each.log: replace(finding, advice=finding.advice + _or_held(robot, each))
-        for each, up in found
-        if up is not None
-        for finding in imu_rules(robot, up)
+        for each, _ in found
+        if (finding := rules[each.log])
     }
 
 
@@ -283,11 +295,27 @@ def as_other_axes(robot: Robot, axes: OtherAxes) -> Finding:
     return Finding("error", channel, "wrench_axes", detail, advice, value=axes.before)
 
 
+def as_other_points(robot: Robot, points: OtherPoints) -> Iterator[Finding]:
+    for sensor, place in zip(robot.contacts, points.places, strict=True):
+        if place is not None:
+            name, at = place[0], ", ".join(f"{each:.3f}" for each in place[1])
+            detail = (
+                f"tells its moments about {name}, [{at}] m from the origin of {sensor.frame} in its axes: so fit the "
+                "moments about the base, and bodies that are off by as much as stated do not make up for it"
+            )
+            advice = (
+                f"state a frame at that place, in the axes of {sensor.frame}, as the sensor's in robot.yaml, or bring "
+                "the moments to its origin before they are logged: M + p × F, p that place"
+            )
+            distance = float(np.linalg.norm(place[1]))
+            yield Finding("error", f"ft.{sensor.name}", "wrench_point", detail, advice, value=distance)
+
+
 def as_late(late: Late) -> Finding:
     detail = (
         f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
-        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body asks for as it is, and "
-        f"{100 * late.after:.0f} % so"
+        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body near its description "
+        f"asks for as it is, and {100 * late.after:.0f} % so"
     )
     if late.of_imu:
         advice = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from typing import final
@@ -26,11 +26,21 @@ CERTAIN = np.radians(1.0)  # std that no direction falls below: what bodies do r
 @final
 @dataclass(frozen=True)
 class Directions:
-    """up, seen: (N, 3) unit vectors in the base frame: of the contacts' total force, of the proper acceleration."""
+    """up, seen: (N, 3) unit vectors in the base frame: of the contacts' total force, of the proper acceleration.
+
+    stood: (N, 3) up, in the axes of the foot that bears most.
+    """
 
     up: Array
     seen: Array
+    stood: Array
     criteria: Comparing
+
+    @property
+    def left_on_floor(self) -> float:
+        """[rad] the same angle, were the acceleration told in axes that go with the feet and not with the base."""
+        Q = _tilt(self.seen, self.stood)
+        return float(np.sqrt(np.mean(np.sum((self.stood - self.seen @ Q.T) ** 2, axis=1)) + CERTAIN**2))
 
     def left(self, Q: Array) -> float:
         """[rad] rms angle between up and Q seen."""
@@ -48,13 +58,36 @@ def directions(robot: Robot, seen: Snapshot) -> Directions | None:
     """
     if not robot.floating or not robot.contacts:
         return None
-    force = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, :3]
+    paths = ContactPaths(robot)
+    force = paths.effect(seen.q, seen.wrenches)[:, :3]
     bears, needs = np.linalg.norm(force, axis=1), robot.tree.mass * np.linalg.norm(seen.acc, axis=1)
     alone = np.abs(bears - needs) < seen.criteria.weighs * needs
     if np.mean(alone) < seen.criteria.most_moments:
         return None
-    up, acc = force[alone], seen.acc[alone]
-    return Directions(up / bears[alone, None], acc / np.linalg.norm(acc, axis=1)[:, None], seen.criteria)
+    up, acc = force[alone] / bears[alone, None], seen.acc[alone]
+    feet = np.stack([paths.of_components(seen.q, k)[alone, :3, :3] for k in range(len(robot.contacts))], axis=1)
+    most = np.argmax(np.linalg.norm(seen.wrenches[alone, :, :3], axis=2), axis=1)
+    stood = np.einsum("nia,na->ni", feet[np.arange(len(up)), most], up)
+    return Directions(up, acc / np.linalg.norm(acc, axis=1)[:, None], stood, seen.criteria)
+
+
+def told_on_floor(logs: Sequence[Directions]) -> Finding | None:
+    """Of some logs together: an acceleration that is told in the world's axes does not turn where the base tilts."""
+    if not logs:
+        return None
+    up, seen, stood = (np.concatenate([getattr(each, name) for each in logs]) for name in ("up", "seen", "stood"))
+    found = Directions(up, seen, stood, logs[0].criteria)
+    before, after = found.left(np.eye(3)), found.left_on_floor
+    mounted = min(found.left(_tilt(found.seen, found.up)), found.left(_procrustes(found)))
+    times = 2.0 * found.criteria.independent * len(found.up)
+    if after > found.criteria.halved * before or times * np.log(mounted / after) < found.criteria.decisive:
+        return None
+    detail = (
+        f"lies {np.degrees(before):.0f}° (rms) from the direction in which the contacts bear the robot, and "
+        f"{np.degrees(after):.0f}° were it told in axes that stay with the floor while the base tilts"
+    )
+    advice = "is it told in the world's axes? Log what the accelerometer measures in its own, gravity included"
+    return Finding("error", "acc", "acceleration_in_world", detail, advice, value=float(np.degrees(before)))
 
 
 def imu_rules(robot: Robot, found: Directions) -> Iterator[Finding]:
@@ -63,7 +96,7 @@ def imu_rules(robot: Robot, found: Directions) -> Iterator[Finding]:
     """
     assert robot.T_base_imu is not None
     as_stated, R = np.eye(3), robot.T_base_imu.rotation
-    tilt, full = _tilt(found), _procrustes(found)
+    tilt, full = _tilt(found.seen, found.up), _procrustes(found)
     turn_told = found.gain(tilt, full) > found.criteria.decisive
     Q = full if turn_told else tilt
     angle, before, after = _angle(Q), found.left(as_stated), min(found.left(Q), found.left(-as_stated))
@@ -100,9 +133,9 @@ def _procrustes(found: Directions) -> Array:
     return proper
 
 
-def _tilt(found: Directions) -> Array:
+def _tilt(seen: Array, up: Array) -> Array:
     """The smallest rotation that takes the mean of seen to that of up."""
-    a, b = (each.mean(axis=0) for each in (found.seen, found.up))
+    a, b = (each.mean(axis=0) for each in (seen, up))
     turn: Array = pin.Quaternion.FromTwoVectors(a, b).toRotationMatrix()
     return turn
 
