@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,9 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.order import LOG, SINCE
 from exogauge.effects.shaped import common_cause
 from exogauge.findings.result import Finding, Place
-from exogauge.identification.model import AddedEffect
+
+if TYPE_CHECKING:
+    from exogauge.identification.model import AddedEffect
 
 ALL = "all"
 
