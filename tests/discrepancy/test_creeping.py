@@ -61,3 +61,22 @@ def test_friction_that_is_larger_at_low_speed_is_not_taken_for_soft(sign, robot,
     named = [each.effect for each in missing.discrepancy.findings]
     assert named == (["stribeck"] if sign > 0.0 else [])
     assert list(missing.settings.creeping) == ([] if sign > 0.0 else ["j2"])
+
+
+@pytest.mark.slow
+def test_stribecks_numbers_are_those_of_steady_motion_where_the_joint_creeps_too(robot, study):
+    """All friction fades in over a span of speeds, below that of the curve, as simulators have it."""
+    size, v_s, fading = 1.5, 0.5, 0.08
+
+    def hidden(motion):
+        turned, curve = np.tanh(motion.v / fading), size * np.exp(-((motion.v / v_s) ** 2))
+        return (FRICTION["tau_c"] * (turned - np.sign(motion.v)) + curve * turned) * (np.arange(3) == 1)
+
+    recordings = study(hidden)
+    missing = find_missing_effects(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS)
+    (named,) = missing.discrepancy.findings
+    assert (named.effect, named.place.name) == ("stribeck", "j2")
+    for name, truth in {"tau_b": size, "v_s": v_s, "delta": 2.0}.items():
+        found = named.parameters[name]
+        assert abs(found.value - truth) < 3.0 * found.std
+    assert fading < missing.settings.creeping["j2"] < v_s

@@ -15,6 +15,8 @@ from exogauge.findings.as_told import as_drawn
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 from exogauge.findings.verdict import Why
+from exogauge.identification.model import AddedEffect
+from exogauge.identification.sites import AxisSite
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
@@ -82,11 +84,20 @@ def test_a_curve_whose_size_and_shape_trade_against_each_other_is_told_as_drawn(
     """Its error falls, so it is there; 7.5 ± 6.2 N·m is no number."""
     open_shape = finding("stribeck", 2.0, 1.0, tau_b=(7.5, 6.2), v_s=(0.004, 0.006))
     assert refused(open_shape, JUDGING) is None
-    told_so = as_drawn(open_shape, shaped_effects()["stribeck"], JUDGING)
+    inside = AddedEffect(shaped_effects()["stribeck"], AxisSite(0), (0.1, 2.0))
+    told_so = as_drawn(open_shape, inside, JUDGING)
     assert not told_so.parameters
     assert told_so.as_drawn == ("tau_b", "v_s")
     known = finding("stribeck", 2.0, 1.0, tau_b=(1.5, 0.1), v_s=(0.04, 0.001))
-    assert as_drawn(known, shaped_effects()["stribeck"], JUDGING) is known
+    assert as_drawn(known, inside, JUDGING) is known
+
+
+@pytest.mark.parametrize(("shape", "ended"), [((0.1, 2.5), "delta"), ((0.1, 0.5), "delta"), ((1.0, 2.0), "v_s")])
+def test_a_shape_at_the_end_of_its_range_is_no_number(shape: tuple[float, float], ended: str) -> None:
+    named = finding("stribeck", 2.0, 1.0, tau_b=(2.4, 0.2), v_s=(0.09, 0.002), delta=(2.5, 0.1))
+    told = as_drawn(named, AddedEffect(shaped_effects()["stribeck"], AxisSite(0), shape), JUDGING)
+    assert told.as_drawn == (ended,)
+    assert set(told.parameters) == {"tau_b", "v_s", "delta"} - {ended}
 
 
 LEG = """<robot name="walker">

@@ -139,27 +139,16 @@ class ByMuJoCo:
         """place: (T, nq) before, at and after every sample, `tight` [s] apart."""
         data, T = mujoco.MjData(model), len(place[1])
         order = [model.joint(name).dofadr[0] for name in robot.joints]
-        self.torque, self.evenly, self.speed = (np.empty((T - 2, len(order))) for _ in range(3))
-        self.inside, self.rubbed, self.carried = (np.empty(T - 2) for _ in range(3))
-        self.feet, self.turned = np.empty((T, 2, 3)), np.empty((T, 2))
+        self.evenly, self.speed = (np.empty((T - 2, len(order))) for _ in range(2))
         self.angle = place[1][:, [model.joint(name).qposadr[0] for name in robot.joints]]
         up = np.ones((T, 2), bool) if stands is None else stands
         bodies = [model.body(sole.link).id for sole in robot.soles]
-        data.qpos[:] = place[1][0]
-        mujoco.mj_kinematics(model, data)
-        begun = [data.xmat[k].reshape(3, 3).copy() for k in bodies]
-        each = [sole.outline @ R.T + data.xpos[k] for sole, R, k in zip(robot.soles, begun, bodies, strict=True)]
-        floor = np.concatenate(each)[:, 2].mean()
-        hulls = {}
-        for which in ((True, True), (False, True), (True, False)):
-            on = np.concatenate([corners for corners, stands in zip(each, which, strict=True) if stands])
-            hulls[which] = ConvexHull(on[:, :2]).equations
+        self.feet, feet = np.empty((T, 2, 3)), np.empty((T, 2, 3, 3))
+        asked, trunk = np.empty((T - 2, model.nv)), np.empty((T - 2, 3, 3))
         for t in range(T):
             data.qpos[:] = place[1][t]
             mujoco.mj_kinematics(model, data)
-            for f, k in enumerate(bodies):
-                self.feet[t, f] = data.xpos[k]
-                self.turned[t, f] = Rotation.from_matrix(begun[f].T @ data.xmat[k].reshape(3, 3)).magnitude()
+            self.feet[t], feet[t] = data.xpos[bodies], data.xmat[bodies].reshape(-1, 3, 3)
             if not 0 < t < T - 1:
                 continue
             before, after = np.empty(model.nv), np.empty(model.nv)
@@ -167,16 +156,23 @@ class ByMuJoCo:
             mujoco.mj_differentiatePos(model, after, tight, place[1][t], place[2][t])
             data.qvel[:], data.qacc[:] = 0.5 * (before + after), (after - before) / tight
             mujoco.mj_inverse(model, data)
-            asked = data.qfrc_inverse.copy()
-            force = asked[:3]
-            R = data.xmat[1].reshape(3, 3)
-            moment = R @ asked[3:6] + np.cross(data.qpos[:3] - [0, 0, floor], force)
-            cop = np.array([-moment[1], moment[0]]) / force[2]
-            hull = hulls[tuple(up[t])]
-            self.inside[t - 1] = -(hull[:, :2] @ cop + hull[:, 2]).max()
-            self.rubbed[t - 1], self.carried[t - 1] = np.hypot(force[0], force[1]) / force[2], force[2]
-            self.torque[t - 1], self.speed[t - 1] = asked[order], data.qvel[order]
-            self.evenly[t - 1] = (asked - self._borne(model, data, bodies, up[t], asked))[order]
+            asked[t - 1], trunk[t - 1] = data.qfrc_inverse, data.xmat[1].reshape(3, 3)
+            self.speed[t - 1] = data.qvel[order]
+            self.evenly[t - 1] = (asked[t - 1] - self._borne(model, data, bodies, up[t], asked[t - 1]))[order]
+        self.torque = asked[:, order]
+        turned = np.swapaxes(feet[:1], 2, 3) @ feet
+        self.turned = Rotation.from_matrix(turned.reshape(-1, 3, 3)).magnitude().reshape(T, 2)
+        each = [sole.outline @ feet[0, f].T + self.feet[0, f] for f, sole in enumerate(robot.soles)]
+        floor, force = np.concatenate(each)[:, 2].mean(), asked[:, :3]
+        moment = np.einsum("tij,tj->ti", trunk, asked[:, 3:6])
+        moment += np.cross(place[1][1:-1, :3] - [0, 0, floor], force)
+        cop = np.stack([-moment[:, 1], moment[:, 0]], axis=1) / force[:, 2:]
+        self.rubbed, self.carried = np.hypot(force[:, 0], force[:, 1]) / force[:, 2], force[:, 2]
+        self.inside = np.full(T - 2, np.nan)  # where no foot stands
+        for which in ((True, True), (False, True), (True, False)):
+            corners = np.concatenate([corners for corners, stands in zip(each, which, strict=True) if stands])
+            hull, there = ConvexHull(corners[:, :2]).equations, (up[1:-1] == which).all(axis=1)
+            self.inside[there] = -(cop[there] @ hull[:, :2].T + hull[:, 2]).max(axis=1)
 
     @staticmethod
     def _borne(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], up: Array, asked: Array) -> Array:

@@ -243,10 +243,9 @@ def test_zeros_and_motors_of_one_log_move_the_parameters_as_far_as_is_said(biped
         assert astray(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log[name]))) < 0.15
 
 
-def moved(robot, logs, spoilt, step):
-    """(P,) of x per unit of what spoils these logs."""
-    before, after = identified(robot, logs), identified(robot, spoilt)
-    return (after.solution.unbounded.x - before.solution.unbounded.x) / step
+def moved(robot, model, spoilt, step):
+    """(P,) of x per unit of what spoils the logs that `model` is of."""
+    return (identified(robot, spoilt).solution.unbounded.x - model.solution.unbounded.x) / step
 
 
 def gone(log):
@@ -257,7 +256,7 @@ def gone(log):
 
 
 @pytest.mark.slow
-def test_through_a_known_session_motors_drift_by_its_courses(biped, robot, logs):
+def test_through_a_known_session_motors_drift_by_its_courses(biped, robot, logs, model):
     """One share less in the first log and as much more in the second, of each motor: k_T is what it was between."""
     assert logs[0].time[-1] == logs[1].time[-1]
     square, step = 0.0, 0.05
@@ -267,11 +266,11 @@ def test_through_a_known_session_motors_drift_by_its_courses(biped, robot, logs)
             changed(log, {name: log.channels[name] / (1.0 + sign * step * DECLARED.kt_drift)})
             for sign, log in zip((-1.0, 1.0), logs, strict=True)
         ]
-        square = square + moved(robot, logs, spoilt, step) ** 2
+        square = square + moved(robot, model, spoilt, step) ** 2
     half = 0.5 * (gone(logs[1]) - gone(logs[0]))
     expected = np.sqrt(square * np.mean(half**2))
-    model = identified(robot, logs, STARTED)
-    assert astray(model, expected, np.sqrt(np.diag(model.inputs.by_log["kt_drift"]))) < 0.1
+    known = identified(robot, logs, STARTED)
+    assert astray(known, expected, np.sqrt(np.diag(known.inputs.by_log["kt_drift"]))) < 0.1
 
 
 @pytest.mark.parametrize("name", ["kt_drift", "viscous_drift", "coulomb_drift"])
@@ -282,7 +281,7 @@ def test_what_one_fitted_log_of_a_known_session_was_recorded_with_is_what_drifts
 
 
 @pytest.mark.slow
-def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot, logs):
+def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot, logs, model):
     taken = replace(robot, declared=replace(DECLARED, zeros_taken="session"))
     square, step, courses = 0.0, 0.02, [gone(log) for log in logs]
     for sensor in biped.robot.contacts:
@@ -292,10 +291,10 @@ def test_zeros_that_were_taken_once_are_none_as_the_session_begins(biped, robot,
             for k, log in enumerate(logs):
                 spoilt = [*logs]
                 spoilt[k] = changed(log, {name: log.channels[name] + step * size})
-                by_log.append(moved(robot, logs, spoilt, step))
+                by_log.append(moved(robot, model, spoilt, step))
             square = square + np.mean(np.tensordot(courses, by_log, (0, 0)) ** 2, axis=0)
-    model = identified(taken, logs, STARTED)
-    assert astray(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log["ft_zero"]))) < 0.15
+    known = identified(taken, logs, STARTED)
+    assert astray(known, np.sqrt(square), np.sqrt(np.diag(known.inputs.by_log["ft_zero"]))) < 0.15
 
 
 @pytest.mark.slow

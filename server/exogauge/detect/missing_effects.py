@@ -112,8 +112,7 @@ def _as_told(search: Search) -> tuple[Search, list[Bend], list[Finding]]:
         objections = (refused(each, judging) for each in findings)
         poor = next(((number, why) for number, why in enumerate(objections) if why), None)
         if poor is None:
-            effects = [each.effect for each in search.added]
-            drawn = [as_drawn(each, effect, judging) for each, effect in zip(findings, effects, strict=True)]
+            drawn = [as_drawn(each, added, judging) for each, added in zip(findings, search.added, strict=True)]
             return search, bends, drawn
         search = taken_back(search, *poor)
 

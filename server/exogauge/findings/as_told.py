@@ -21,7 +21,7 @@ from exogauge.effects.shaped import common_cause
 from exogauge.findings.result import Finding, Place
 
 if TYPE_CHECKING:
-    from exogauge.identification.model import Effect
+    from exogauge.identification.model import AddedEffect
 
 ALL = "all"
 
@@ -80,17 +80,24 @@ def by_importance(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 PLACES = (LOG, SINCE)  # in the order of the logs: no number of a curve
 
 
-def as_drawn(finding: Finding, effect: Effect, judging: Judging) -> Finding:
-    """Without the shapes whose std exceeds their value, and without coefficients that may as well be zero beside them.
+def as_drawn(finding: Finding, added: AddedEffect, judging: Judging) -> Finding:
+    """Without the shapes whose std exceeds their value or at which the search's range ends, and without coefficients
+    that may as well be zero beside them.
 
     A shape that may be negative, such as the angle at which a spring rests, is a place: zero is as good as any other.
     """
-    shapes = [one.name for one in effect.shapes if not one.choice and one.low >= 0.0 and one.name not in PLACES]
-    own: Sequence[Quantity] = effect.coefficients
+    edge = 1e-3  # of a range: as near as a search within it comes to its end
+    told = [
+        (one, value)
+        for one, value in zip(added.effect.shapes, added.shape, strict=True)
+        if not one.choice and one.low >= 0.0 and one.name not in PLACES and one.name in finding.parameters
+    ]
+    own: Sequence[Quantity] = added.effect.coefficients
     sizes = [one.name for one in own if one.name in finding.parameters]
-    open_shapes = [name for name in shapes if name in finding.parameters and _std_over_value(finding, name) > 1.0]
+    ended = [one.name for one, value in told if not edge < one.share(value) < 1.0 - edge]
+    open_shapes = [one.name for one, _ in told if one.name in ended or _std_over_value(finding, one.name) > 1.0]
     open_sizes = [name for name in sizes if judging.significant * _std_over_value(finding, name) > 1.0]
-    if not open_shapes and not (shapes and sizes and open_sizes == sizes):
+    if not open_shapes and not (told and sizes and open_sizes == sizes):
         return finding
     dropped = (*open_sizes, *open_shapes)
     kept = {name: each for name, each in finding.parameters.items() if name not in dropped}

@@ -39,7 +39,8 @@ def creeping(
 ) -> Creeping:
     """Among candidates that were judged, most evidence first; not at joints that are known to creep.
 
-    named: where effects are. What is left there is what their formulas do not hold, at low speed too.
+    named: where effects are. What is left there is what their formulas do not hold, at low speed too, so that soft
+    friction has to lead surely: then rows that creep have bent the numbers of what was named.
     """
     open_lead = found.model.criteria.judging.open
     below, doubts = dict[str, float](), list[Caveat]()
@@ -51,7 +52,8 @@ def creeping(
         rivals = [each for each in judged if not is_soft(each) and _acts_on(found, each, site)]
         lead = soft.score.evidence - max([each.score.evidence for each in rivals], default=-np.inf)
         speed = _speed(found, soft, site)
-        if joint in known or lead < -open_lead or speed == 0.0 or _has_a_name(found, named, site):
+        least = open_lead if _has_a_name(found, named, site) else -open_lead
+        if joint in known or lead < least or speed == 0.0:
             continue
         below[joint] = speed
         if lead < open_lead:
