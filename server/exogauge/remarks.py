@@ -77,6 +77,7 @@ class About(StrEnum):
     STROKES_DISAGREE = "strokes_disagree"
     PULLS_DISAGREE = "pulls_disagree"
     SIDES_DISAGREE = "sides_disagree"
+    HALVES_DISAGREE = "halves_disagree"  # the parts; -; -; difference of natural length and its doubt [m]
     SPRINGS_MISFIT = "springs_misfit"  # the joint, -; -; what it may do to the stiffness and its stated doubt [N/m]
     STIFFNESS_OPEN = "stiffness_open"
     LENGTH_OPEN = "length_open"

@@ -49,7 +49,14 @@ def test_where_nothing_is_wrong_no_check_fails_and_z_is_of_unit_size(checked, su
     z = []
     for seed in range(20):
         found = checked([suit, suit, suit], seed=1000 * seed)
-        assert {each.check for each in found.cross_checks} == {"repetitions", "strokes", "pulls", "sides", "misfit"}
+        assert {each.check for each in found.cross_checks} == {
+            "repetitions",
+            "halves",
+            "strokes",
+            "pulls",
+            "sides",
+            "misfit",
+        }
         assert not failed(found)
         assert all(band.identifiable for band in found.bands)
         z += [each.z for each in found.cross_checks if each.check != "misfit"]
@@ -65,6 +72,30 @@ def test_a_log_in_which_the_bands_are_stiffer_contradicts_the_others(checked, su
     for band in found.bands:
         assert not band.identifiable
         assert band.note.about == About.REPETITIONS_DISAGREE
+
+
+@pytest.mark.slow
+def test_a_band_that_slips_within_a_log_is_told_with_log_and_size(checked, suit, biped):
+    """The first band by 15 mm, half-way through one of two logs. The size is that of one step from the common fit."""
+    routing, band = Routing(biped.robot.tree, suit.bands), suit.bands[0]
+
+    def slipped(number, evidence):
+        jacobian = routing.geometry(evidence.posture).jacobian[:, 0]
+        stretch = np.maximum(evidence.length[:, 0] - band.natural_length, 0.0)
+        less = stretch - np.maximum(evidence.length[:, 0] - band.natural_length - 0.015, 0.0)
+        late = evidence.time - evidence.time[0] > 0.5 * np.ptp(evidence.time)
+        more = np.where(late & (number == 1), band.stiffness * less, 0.0)
+        return replace(evidence, a=evidence.a + jacobian * more[:, None])
+
+    found = checked([suit, suit], noise=0.1, change=slipped)
+    worst = max(found.cross_checks, key=lambda each: abs(each.z))
+    assert (worst.check, worst.unit, worst.agrees) == ("halves", "m", False)
+    assert worst.between == (f"{band.name}, first half of log_1", "second half")
+    assert worst.difference == pytest.approx(-0.015, rel=0.6)
+    for each in found.bands:
+        assert (each.identifiable, each.length_identifiable) == (each.group != band.group, each.group != band.group)
+        if each.group == band.group:
+            assert each.note.about == About.HALVES_DISAGREE
 
 
 def test_one_side_stiffer_than_the_other_is_told(checked, suit):

@@ -63,7 +63,8 @@ class BandEstimate:
 class CrossCheck:
     """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
 
-    check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`. between: names of the parts.
+    check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`; of `halves` the two numbers are the
+    natural length of a band [m] in the halves of a log. between: names of the parts.
     difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
     misfit: by how much the stiffness may be off for what its springs leave, and its doubt.
     """
@@ -74,6 +75,7 @@ class CrossCheck:
     difference: float
     std: float
     limit: float = math.inf
+    unit: str = "N/m"
 
     @property
     def z(self) -> float:

@@ -38,8 +38,15 @@ SAID = {
     "pulls": About.PULLS_DISAGREE,
     "sides": About.SIDES_DISAGREE,
     "misfit": About.SPRINGS_MISFIT,
+    "halves": About.HALVES_DISAGREE,
 }
-OF_THE_BANDS = {"strokes", "pulls", "sides", "misfit"}  # what fails these by A and paired is the device's, not a run's
+OF_THE_BANDS = {
+    "strokes",
+    "pulls",
+    "sides",
+    "misfit",
+    "halves",
+}  # what fails these by A and paired is the device's, not a run's
 LENGTHENING, SHORTENING = "lengthening", "shortening"
 HARD, SOFT = "hard", "soft"
 WITHOUT = "without the device"
@@ -48,11 +55,11 @@ WITHOUT = "without the device"
 def within(
     seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting, sigma: Array, std: Array
 ) -> tuple[CrossCheck, ...]:
-    """Of one approach: each log against all others, bands that lengthen against the same that shorten, their harder
-    half of pulls against the softer, bands of a group against each other, what they leave against what there is
-    without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it
-    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions
-    cannot tell apart is not compared."""
+    """Of one approach: each log against all others, natural lengths in its first half against those in its second,
+    bands that lengthen against the same that shorten, their harder half of pulls against the softer, bands of a group
+    against each other, what they leave against what there is without. robot: as in `contributions`. sigma: (D,) [N·m]
+    there, of the first joints of the fit: of further ones it is not known, and what is left on them is not held
+    against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
@@ -64,6 +71,15 @@ def within(
             parts = _between_samples(seen, robot, logs.log == number)
             for place, own in members.items():
                 found[place] += parts.springs(place, ("repetitions", bands[own[0]].group, between), null[place])
+        its_own = logs.log == number
+        early = logs.time < 0.5 * (logs.time[its_own].min() + logs.time[its_own].max())
+        halves = _between_samples(seen, robot, its_own & early, its_own & ~early)
+        for place, own in members.items():
+            for length in dict.fromkeys(wear.layout.natural_length[own].tolist()):
+                band = wear.layout.names[length].partition("[")[2].rstrip("]")
+                between = (f"{band}, first half of {log.name}", "second half")
+                lengths = halves.springs(length, ("halves", bands[own[0]].group, between), null[length])
+                found[place] += [replace(each, unit="m") for each in lengths]
     for place, own in members.items():
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
@@ -88,20 +104,28 @@ def within(
             for one, other in combinations(own, 2):
                 said = ("sides", bands[one].group, (bands[one].name, bands[other].name))
                 found[place] += alone.values(int(k_of[one]), int(k_of[other]), said)
+    largest = {"N/m": wear.springs, "m": np.full(len(wear.springs), float(wear.l_0.min()))}
     return tuple(
-        each for place, own in found.items() for each in own if 0.0 < each.std <= criteria.known * wear.springs[place]
+        each
+        for place, own in found.items()
+        for each in own
+        if 0.0 < each.std <= criteria.known * float(largest[each.unit][place])
     )
 
 
-def _between_samples(seen: BandFit, robot: Mapping[str, Array], first: BoolArray) -> _Split:
-    """first: (N,) samples of one part; the others are the other.
+def _between_samples(
+    seen: BandFit, robot: Mapping[str, Array], first: BoolArray, second: BoolArray | None = None
+) -> _Split:
+    """first, second: (N,) samples of two parts; where there is no second, the others are. What is in neither has
+    springs of its own.
 
     What logs without the device say is not split: each part is taken to err by all of it, independently.
     """
     fitted, setting = seen.fitted, _believing_nothing(seen.setting)
     S = len(fitted.wear.springs)
     springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
-    A = np.concatenate([*(springs * part[:, None, None] for part in (first, ~first)), more], axis=2)
+    parts = (first, ~first) if second is None else (first, second, ~(first | second))
+    A = np.concatenate([*(springs * part[:, None, None] for part in parts if part.any()), more], axis=2)
     return _Split(replace(seen, setting=setting, null=None), _with_columns(setting, fitted, A), robot)
 
 
@@ -237,6 +261,7 @@ def _told(band: BandEstimate, checks: Sequence[CrossCheck]) -> BandEstimate:
     failed = [each for each in checks if each.group == band.group and not each.agrees]
     if not failed or not band.identifiable:
         return band
-    worst = max(failed, key=lambda each: abs(each.z))
+    worst = max(failed, key=lambda each: abs(each.z) / each.limit)
     note = Remark(SAID[worst.check], worst.between, numbers=(worst.difference, worst.std))
-    return replace(band, identifiable=False, note=note)
+    stays = all(each.check != "halves" for each in failed)  # else there was no one length
+    return replace(band, identifiable=False, length_identifiable=band.length_identifiable and stays, note=note)

@@ -129,7 +129,7 @@ def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:
             each["group"],
             "" if each["check"] == "approaches" else each["approach"],
             " – ".join(each["between"]),
-            plus_minus(Estimate(each["difference"], each["std"], "N/m")),
+            plus_minus(Estimate(each["difference"], each["std"], each["unit"])),
             f"{rounded(abs(each['z']), 1)} of {rounded(each['limit'], 1)}",
             each["agrees"],
         )

@@ -265,6 +265,7 @@ def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
                         "between": list(one.between),
                         "difference": one.difference,
                         "std": one.std,
+                        "unit": one.unit,
                         "z": one.z,
                         "limit": one.limit,
                         "agrees": bool(one.agrees),

@@ -264,6 +264,12 @@ FORMS: Mapping[About, Form] = {
         "was put on otherwise, a foot sensor's gain.",
         joined=" and ",
     ),
+    About.HALVES_DISAGREE: Form(
+        "Its natural length is another one through a log: {names} disagree by {0:.2g} ± {1:.2g} m. What can do it: a "
+        "strap or an anchor that slipped, a suit that moved. Record that log again, or evaluate the part before alone "
+        "(`rows`).",
+        joined=" and ",
+    ),
     About.SPRINGS_MISFIT: Form(
         "These springs do not explain what the device does: more is left at {names}, by which the stiffness may be off "
         "by {0:.3g} N/m, where its doubt is {1:.2g} N/m. What can do it: a strap or an anchor that gives way, bands "

@@ -13,6 +13,7 @@ const CHECK: Record<StiffnessCheck["check"], string> = {
   pulls: "Hard and soft pulls",
   sides: "Left and right",
   misfit: "What springs leave",
+  halves: "Natural length through a log",
 };
 
 /** Parts of the evidence that ought to give one stiffness: which do, and which do not; the worst first. */
@@ -27,7 +28,7 @@ export function CrossChecks({ device, checks }: { device: string; checks: Stiffn
       </summary>
       <WideTable
         label={`What ought to agree of ${device}`}
-        columns={["Group", "Compared", "Between", "By", number("Difference ± std", "N/m"), number("Difference / std"), number("Limit"), unseen("Whether they agree")]}
+        columns={["Group", "Compared", "Between", "By", number("Difference ± std"), number("Difference / std"), number("Limit"), unseen("Whether they agree")]}
         mostHeight="28rem"
       >
         {[...checks]
@@ -39,7 +40,7 @@ export function CrossChecks({ device, checks }: { device: string; checks: Stiffn
               <Table.Td>{each.between.join(" – ")}</Table.Td>
               <Table.Td>{each.check === "approaches" ? "" : capital(each.approach)}</Table.Td>
               <Table.Td data-number>
-                {isNumber(each.difference) ? significant(each.difference, 2) : NONE} ± {isNumber(each.std) ? significant(each.std, 2) : NONE}
+                {isNumber(each.difference) ? significant(each.difference, 2) : NONE} ± {isNumber(each.std) ? significant(each.std, 2) : NONE} {each.unit ?? "N/m"}
               </Table.Td>
               <Table.Td data-number>{isNumber(each.z) ? fixed(each.z, 1) : NONE}</Table.Td>
               <Table.Td data-number>{isNumber(each.limit) ? fixed(each.limit, 1) : NONE}</Table.Td>

@@ -207,17 +207,18 @@ class BandStiffness(Part):
 
 @final
 class StiffnessCheck(Part):
-    """Two parts of the evidence that ought to give one stiffness."""
+    """Two parts of the evidence that ought to give one stiffness, or one natural length."""
 
     device: str = Field(description="its name")
     approach: Literal["A", "B", "paired"] = Field(description="as in `support`")
-    check: Literal["approaches", "repetitions", "strokes", "pulls", "sides", "misfit"] = Field(
+    check: Literal["approaches", "repetitions", "strokes", "pulls", "sides", "misfit", "halves"] = Field(
         description="what is compared"
     )
     group: str = Field(description="of bands that share stiffness and law")
     between: list[str] = Field(description="the two parts")
-    difference: Number = Field(description="first minus second [N/m]; of `misfit`: how far the stiffness may be off")
-    std: Number = Field(description="of the difference [N/m]")
+    difference: Number = Field(description="first minus second; of `misfit`: how far the stiffness may be off")
+    std: Number = Field(description="of the difference")
+    unit: Literal["N/m", "m"] = later("of both; m of `halves`, which compare natural lengths")
     z: Number = Field(description="difference over std")
     limit: Number = Field(description="of |z|")
     agrees: bool = Field(description="within the limit; where not, the stiffness is not identifiable")
