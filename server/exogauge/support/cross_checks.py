@@ -40,13 +40,7 @@ SAID = {
     "misfit": About.SPRINGS_MISFIT,
     "halves": About.HALVES_DISAGREE,
 }
-OF_THE_BANDS = {
-    "strokes",
-    "pulls",
-    "sides",
-    "misfit",
-    "halves",
-}  # what fails these by A and paired is the device's, not a run's
+OF_THE_BANDS = SAID.keys() - {"approaches", "repetitions"}  # what fails these by A and paired is the device's
 LENGTHENING, SHORTENING = "lengthening", "shortening"
 HARD, SOFT = "hard", "soft"
 WITHOUT = "without the device"
