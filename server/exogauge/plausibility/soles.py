@@ -52,7 +52,8 @@ def turned_leg(robot: Robot, seen: Sequence[Snapshot]) -> TurnedLeg | None:
             continue
         best = min(tried, key=lambda joint: tried[joint])
         times = 2.0 * criteria.independent * count
-        if tried[best] > criteria.halved * before or times * np.log(before / tried[best]) < criteria.decisive:
+        at_rest = tried[best] <= min(criteria.halved * before, 2.0 * CERTAIN)  # feet that are points turn as legs do
+        if not at_rest or times * np.log(before / tried[best]) < criteria.decisive:
             continue
         close = [joint for joint, left in tried.items() if times * np.log(left / tried[best]) < criteria.undecided]
         rivals = tuple(joint for joint in close if joint != best)
