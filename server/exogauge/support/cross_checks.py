@@ -118,8 +118,9 @@ def _between_samples(
     fitted, setting = seen.fitted, _believing_nothing(seen.setting)
     S = len(fitted.wear.springs)
     springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
-    parts = (first, ~first) if second is None else (first, second, ~(first | second))
-    A = np.concatenate([*(springs * part[:, None, None] for part in parts if part.any()), more], axis=2)
+    neither = ~first if second is None else ~(first | second)
+    parts = [first, neither] if second is None else [first, second, *([neither] if neither.any() else [])]
+    A = np.concatenate([*(springs * part[:, None, None] for part in parts), more], axis=2)
     return _Split(replace(seen, setting=setting, null=None), _with_columns(setting, fitted, A), robot)
 
 
