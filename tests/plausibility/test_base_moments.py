@@ -33,6 +33,7 @@ def test_feet_that_are_exchanged_are_named_and_nothing_else(robot: Robot, logs: 
     assert found == [(each.name, "ft.left", "wrenches_exchanged") for each in logs]
 
 
+@pytest.mark.slow
 def test_feet_that_are_exchanged_are_named_where_they_bear_nearly_alike(robot: Robot) -> None:  # noqa: F811
     """As in bends: what the trunk asks for goes into both feet alike, and is large beside what an exchange changes."""
     logs = [record(seed, 0.0, 0.0, alike=True) for seed in (4, 5)]
@@ -102,6 +103,7 @@ def test_a_foots_exchanged_axes_are_named_and_no_joint_for_them(
             assert f"{source[-1]} := {'-' if '-' in source else ''}{axis}" in each.advice
 
 
+@pytest.mark.slow
 def test_the_axes_of_a_foot_that_bears_little_are_named_too(robot: Robot) -> None:  # noqa: F811
     """What they leave is little of all that the moments change, and all that they themselves change."""
     logs = [record(seed, 0.0, 0.0, aside=True) for seed in (4, 5)]
