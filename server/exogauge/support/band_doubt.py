@@ -14,7 +14,7 @@ from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_rows import WearLogs
-from exogauge.support.coloured import by_autocovariance
+from exogauge.support.coloured import by_autocovariance, larger
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -87,7 +87,7 @@ def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
     number = blocks(logs, e)
     scores = np.add.reduceat(np.einsum("ndp,nd->np", weighted, e), np.flatnonzero(np.diff(number, prepend=-1)), axis=0)
     by_blocks = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
-    return _larger(by_blocks, by_autocovariance(logs.spans, logs.used, e, weighted))
+    return larger(by_blocks, by_autocovariance(logs.spans, logs.used, e, weighted))
 
 
 def blocks(logs: WearLogs, e: Array) -> IntArray:
@@ -141,10 +141,3 @@ def _null_score(null: Setting, fitted: Fitted) -> Array:
     """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
     A, weight = columns(null.logs, null.wires, fitted.wear), null.logs.share[:, None] * null.weight
     return np.asarray(np.einsum("ndp,nd,nd->p", A, weight, null.nuisances.without(null.logs.torque)))
-
-
-def _larger(first: Array, second: Array) -> Array:
-    """The first, and what the second has more of in any direction."""
-    size = np.sqrt(np.maximum(np.diag(first) + np.diag(second), 1e-300))
-    more, directions = np.linalg.eigh((second - first) / np.outer(size, size))
-    return np.asarray(first + (directions * np.maximum(more, 0.0)) @ directions.T * np.outer(size, size))

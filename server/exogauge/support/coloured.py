@@ -31,6 +31,21 @@ def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weigh
     return 0.5 * (total + total.T)
 
 
+def of_one_log(counts: BoolArray, e: Array, weighted: Array) -> Array:
+    """The same of one log, and no less in any direction than errors that do not last make of it: a spectrum of an
+    autocovariance that was cut off goes below zero, where such a sum would be known better than exactly."""
+    square = np.sum(np.where(counts, e, 0.0) ** 2, axis=0) / np.maximum(counts.sum(axis=0), 1)
+    alone = np.einsum("ndp,d,ndq->pq", weighted, square, weighted, optimize=True)
+    return larger(by_autocovariance((slice(0, len(e)),), counts, e, weighted), alone)
+
+
+def larger(first: Array, second: Array) -> Array:
+    """(P, P) the first, and what the second has more of in any direction."""
+    size = np.sqrt(np.maximum(np.diag(first) + np.diag(second), 1e-300))
+    more, directions = np.linalg.eigh((second - first) / np.outer(size, size))
+    return np.asarray(first + (directions * np.maximum(more, 0.0)) @ directions.T * np.outer(size, size))
+
+
 def autocovariance(errors: Array, used: BoolArray) -> Array:
     """(lags,) about zero, up to half of the log or to where it is first not positive. errors: (n,), 0 where unused."""
     return _autocovariances(errors[None], used[None])[0]

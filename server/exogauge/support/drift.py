@@ -26,7 +26,7 @@ from exogauge.identification.session import Session, session
 from exogauge.logs.model import Log
 from exogauge.robots.description import drifts_in_doubt
 from exogauge.support.balance import Balance, of_this_log
-from exogauge.support.coloured import by_autocovariance
+from exogauge.support.coloured import of_one_log
 from exogauge.support.settings import PlainLog
 
 Array = NDArray[np.float64]
@@ -228,7 +228,7 @@ def _fitted(columns: Array, y: Array, used: BoolArray, zeros: Array) -> tuple[Ar
     x = inverse @ np.einsum("ndp,nd->p", columns, y)
     e = np.where(used, y - columns @ x, 0.0)
     by_zeros = np.einsum("ndp,nds->ps", columns, zeros)
-    S = by_autocovariance((slice(0, len(y)),), used, e, columns) + by_zeros @ by_zeros.T
+    S = of_one_log(used, e, columns) + by_zeros @ by_zeros.T
     return x, inverse @ S @ inverse
 
 

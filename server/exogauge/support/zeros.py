@@ -27,7 +27,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.logs.model import Log
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, prepare_worn
-from exogauge.support.coloured import by_autocovariance
+from exogauge.support.coloured import of_one_log
 from exogauge.support.drift import session_of
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -162,5 +162,5 @@ def _seen(model: RobotModel, prepared: Prepared, size: Array) -> _Seen | None:
         return None
     x = V.T @ g / own
     e = r - np.einsum("nrc,c->nr", Z, V @ x)
-    S = by_autocovariance((slice(0, len(kept)),), np.ones(e.shape, dtype=np.bool_), e, Z * w[None, :, None])
+    S = of_one_log(np.ones(e.shape, dtype=np.bool_), e, Z * w[None, :, None])
     return _Seen(V.T, x, (V.T @ S @ V) / np.outer(own, own))
