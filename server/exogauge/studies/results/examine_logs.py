@@ -23,14 +23,8 @@ from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
-from exogauge.plausibility.examine import (
-    IMU_CLOCK,
-    MOVED_ZERO,
-    OTHER_CLOCK,
-    WRENCH_CLOCK,
-    examine_against_robot,
-    examine_worn,
-)
+from exogauge.plausibility.examine import examine_against_robot, examine_worn
+from exogauge.plausibility.told_as import IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
