@@ -171,6 +171,7 @@ def _evaluate(
             told_of = told_of.with_nothing_decided()
         if spoiled or (support is not None and any(each.about in MISLABELLED for each in support.remarks)):
             stiffness = tuple(each.with_nothing_decided() for each in stiffness)
+            support = support and support.with_nothing_decided()
         writing(0.87, Doing.WRITING_RESULTS)
         evaluation = Evaluation(
             name=study.name,
