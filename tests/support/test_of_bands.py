@@ -68,3 +68,14 @@ def test_what_the_robot_carries_in_its_runs_with_the_device_is_not_taken_for_the
 def test_of_one_run_alone_it_is_named(biped, laden, plain, suit, wander):
     worn = [*runs(biped, wander, suit, (5, 6)), *runs(laden, wander, suit, (7,))]
     assert told(biped, plain, worn) == {"worn7"}
+
+
+def test_nor_is_what_bands_give_that_run_elsewhere(biped, plain, suit, wander):
+    """Described in front of the trunk they shorten where those behind it pull: no spring is found at all."""
+    front = replace(suit, bands=tuple(
+        replace(band, stiffness=None, natural_length=None, via_points=tuple(
+            replace(via, xyz=(-via.xyz[0], *via.xyz[1:])) for via in band.via_points))
+        for band in suit.bands
+    ))  # fmt: skip
+    worn = [replace(each, device=front) for each in runs(biped, wander, suit)]
+    assert told(biped, plain, worn) == {"worn5", "worn6"}

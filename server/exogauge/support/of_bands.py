@@ -40,9 +40,9 @@ def notes_on_rest(
     notes = list[Remark]()
     for found in (each for each in stiffness if each.approach == "B"):
         own = [each for each in evidences if each.worn.device.name == found.device]
-        device = _as_fitted(own[0].worn.device, found) if own else None
-        if device is None:
+        if not own:
             continue
+        device = _as_fitted(own[0].worn.device, found)
         told = dict[str, tuple[float, float]]()
         for each in own:
             sigma = backgrounds[each.worn.motion].repeats.b.steady
@@ -54,16 +54,12 @@ def notes_on_rest(
     return notes
 
 
-def _as_fitted(device: Device, found: StiffnessResult) -> Device | None:
-    """With its springs as identified; None where they are not."""
-    by_name = {each.band: each for each in found.bands}
-    bands = []
-    for band in device.bands:
-        own = by_name[band.name]
-        if not np.isfinite([own.stiffness.value, own.natural_length.value]).all():
-            return None
-        bare = replace(band, stiffness=None, natural_length=None)
-        bands.append(with_spring(bare, (own.stiffness, own.natural_length), own.longest))
+def _as_fitted(device: Device, found: StiffnessResult) -> Device:
+    """With its springs as identified; slack where nothing is known of them."""
+    springs = {each.band: each for each in found.bands}
+    bare = [replace(band, stiffness=None, natural_length=None) for band in device.bands]
+    fitted = [(band, springs[band.name]) for band in bare]
+    bands = [with_spring(band, (own.stiffness, own.natural_length), own.longest) for band, own in fitted]
     return replace(device, bands=tuple(bands))
 
 
