@@ -296,5 +296,5 @@ def _told(band: BandEstimate, checks: Sequence[CrossCheck]) -> BandEstimate:
     worst = max(failed, key=lambda each: abs(each.z) / each.limit)
     said = About.LENGTHS_DISAGREE if worst.unit == "m" and worst.check != "halves" else SAID[worst.check]
     note = Remark(said, worst.between, numbers=(worst.difference, worst.std))
-    stays = all(each.unit != "m" for each in failed)  # else there was no one length
+    stays = all(each.check not in OF_THE_BANDS and each.unit != "m" for each in failed)  # else no line ends at a length
     return replace(band, identifiable=False, length_identifiable=band.length_identifiable and stays, note=note)
