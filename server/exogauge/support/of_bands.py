@@ -74,7 +74,8 @@ def _sizes(
     counts = each.steady[kept] & np.isfinite(b)
 
     def square(of: Array) -> Array:
-        return np.sum(np.where(counts, of, 0.0) ** 2, axis=0) / np.maximum(counts.sum(axis=0), 1)
+        whole = np.sum(np.where(counts, of, 0.0) ** 2, axis=0)
+        return np.asarray(whole / np.maximum(counts.sum(axis=0), 1))
 
     chance = criteria.misfit * (sigma**2 + square(std))
     left = np.maximum(square(b - on_joints(pulled, routing, columns)) - chance, 0.0)
