@@ -173,7 +173,7 @@ def told_by(runs: Sequence[Runs | None], sizes: Array, missed: float) -> tuple[A
     known = [each for each in own if each is not None]
     about = np.eye(K * R) + sum((each.of_common.T @ np.linalg.solve(each.S, each.of_common) for each in known), 0.0)
     pulled = sum((each.of_common.T @ np.linalg.solve(each.S, each.z) for each in known), np.zeros(K * R))
-    doubt = np.linalg.inv(about)
+    doubt = np.asarray(np.linalg.inv(about), dtype=np.float64)
     u, of_u = doubt @ pulled, _root(doubt)
     beta, root, common = np.zeros((A, K * R)), np.zeros((A, K * R, K * R)), np.zeros((A, K * R, K * R))
     for motor, (size, each) in enumerate(zip(flat, own, strict=True)):
