@@ -122,10 +122,10 @@ def find_drift(
     seen = [_Seen.of(model, balances[each.log.name]) for each in told]
     motions, places = [each.motion for each in told], [logs[each.log.name] for each in told]
     declared = np.stack(list(sizes.values()), axis=1)
-    (A, K), R = declared.shape, course.shape[1]
+    R = course.shape[1]
     asked = [list(DRIFTS).index(name) for name in sizes]
     runs = list[Runs | None]()
-    for axis in range(A):
+    for axis in range(len(declared)):
         use = [k for k, each in enumerate(seen) if np.isfinite(each.share[axis, asked]).any()]
         chosen = [k for k in use if sum(motions[j] == motions[k] for j in use) > 1]
         own = Runs(
@@ -164,9 +164,9 @@ class Runs:
 
 
 def told_by(runs: Sequence[Runs | None], sizes: Array, missed: float) -> tuple[Array, Array, Array]:
-    """(A, K, R) beta, (A, K R, K R) the root of the covariance that is each motor's own, (A, K R, K R) of what they have
-    in common. runs: of each motor, None where they say nothing. sizes: (A, K, R) what beta is believed to be, missed: the
-    same of m."""
+    """(A, K, R) beta, (A, K R, K R) the root of the covariance that is each motor's own, (A, K R, K R) of what they
+    have in common. runs: of each motor, None where they say nothing. sizes: (A, K, R) what beta is believed to be,
+    missed: the same of m."""
     A, K, R = sizes.shape
     flat, alike = sizes.reshape(A, K * R), DECLARED.motors_alike
     own = [None if each is None else _Told.of(each, size, missed) for each, size in zip(runs, flat, strict=True)]
@@ -179,7 +179,8 @@ def told_by(runs: Sequence[Runs | None], sizes: Array, missed: float) -> tuple[A
     for motor, (size, each) in enumerate(zip(flat, own, strict=True)):
         moved, left = np.diag(np.sqrt(alike) * size), np.diag((1.0 - alike) * size**2)
         if each is not None:  # what its own runs say takes back what is believed of it
-            beta[motor], moved, left = each.gain @ each.z, moved - each.gain @ each.of_common, left - each.gain @ each.own
+            beta[motor] = each.gain @ each.z
+            moved, left = moved - each.gain @ each.of_common, left - each.gain @ each.own
         beta[motor] += moved @ u
         root[motor], common[motor] = _root(left), moved @ of_u
     return beta.reshape(sizes.shape), root, common
