@@ -149,8 +149,8 @@ def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:
     return min(downhill(thinned(setting), begin), key=lambda each: each.cost).wear
 
 
-def downhill(setting: Setting, begin: Sequence[Wear], small: float = SMALL**0.5) -> list[Reached]:
-    """Where each start ends, as near as a further search needs to know. small: as in `lowest`."""
+def downhill(setting: Setting, begin: Sequence[Wear], small: float = SMALL) -> list[Reached]:
+    """Where each start ends. small: as in `lowest`."""
     return [lowest(setting, _with_best_stiffness(setting, each), small=small) for each in begin]
 
 
