@@ -56,6 +56,7 @@ class About(StrEnum):
     DEVICE_ON = "device_on"  # logs that say without it; -; device
     DEVICE_OFF = "device_off"  # logs that say with it; -; device
     DEVICE_ON_WHERE_FITTED = "device_on_where_fitted"  # logs without it; -; device
+    NOT_OF_BANDS = "not_of_bands"  # logs; what its bands leave, what is measured [N·m]; device
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach
@@ -77,6 +78,7 @@ class About(StrEnum):
     STROKES_DISAGREE = "strokes_disagree"
     PULLS_DISAGREE = "pulls_disagree"
     SIDES_DISAGREE = "sides_disagree"
+    LENGTHS_DISAGREE = "lengths_disagree"  # the parts; -; -; difference of natural length and its doubt [m]
     HALVES_DISAGREE = "halves_disagree"  # the parts; -; -; difference of natural length and its doubt [m]
     SPRINGS_MISFIT = "springs_misfit"  # the joint, -; -; what it may do to the stiffness and its stated doubt [N/m]
     STIFFNESS_OPEN = "stiffness_open"

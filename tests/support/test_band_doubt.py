@@ -14,6 +14,7 @@ from exogauge.devices.routing import Routing
 from exogauge.identification.predict import Parameters
 from exogauge.support.band_doubt import blocks, score_covariance
 from exogauge.support.band_fit import best_start, starts
+from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import band_wires, rows_with
 from exogauge.support.coloured import autocovariance
@@ -229,3 +230,13 @@ def test_where_doubt_is_skewed_the_profile_holds_the_truth_at_least_as_often(bip
         symmetric.append(abs(stiffness.value - TRUE) <= 1.96 * stiffness.std)
     assert np.mean(profile) >= np.mean(symmetric)
     assert np.mean(profile) >= 0.90
+
+
+def test_how_the_device_sits_is_no_column_where_the_samples_tell_nothing_of_it(biped, suit, make_evidence, stoop):
+    """Springs that pull next to nowhere, as where a via point is on the wrong link: it was a crash."""
+    worn = replace(suit, bands=tuple(replace(band, donning_std=0.003) for band in suit.bands))
+    setting, found = fitted(biped, worn, [make_evidence(worn, stoop(0), noise=0.3, seed=0)])
+    assert nuisance_torques(setting, found) is not None
+    nothing = replace(setting, weight=1e-9 * setting.weight)
+    beside = replace(nothing, added=nuisance_torques(nothing, found)).nuisances
+    np.testing.assert_array_equal(beside.without(found.e), found.e)

@@ -115,11 +115,29 @@ def test_a_pull_that_rubs_contradicts_itself_between_strokes(checked, suit):
         return replace(evidence, a=evidence.a * (1.0 + 0.25 * np.sign(rate))[:, None])
 
     found = checked([suit, suit], noise=0.1, change=rubbed)
-    (strokes,) = (each for each in found.cross_checks if each.check == "strokes")
+    (strokes,) = (each for each in found.cross_checks if (each.check, each.unit) == ("strokes", "N/m"))
     assert not strokes.agrees
     assert strokes.between[0] == LENGTHENING
     assert strokes.difference > 0.0
     assert not found.bands[0].identifiable
+
+
+def test_a_band_that_is_taut_all_along_and_rubs_is_told_by_its_lengths(checked, suit):
+    """An eighth more where it lengthens, an eighth less where it shortens: that it is stiffer there hardly shows."""
+    taut = replace(suit, bands=tuple(replace(band, natural_length=band.natural_length - 0.15) for band in suit.bands))
+
+    def rubbed(number, evidence):
+        rate = np.gradient(evidence.length.sum(axis=1), evidence.time)
+        return replace(evidence, a=evidence.a * (1.0 + 0.125 * np.sign(rate))[:, None])
+
+    assert not failed(checked([taut, taut], noise=0.5))
+    found = checked([taut, taut], noise=0.5, change=rubbed)
+    lengths = [each for each in found.cross_checks if (each.check, each.unit) == ("strokes", "m")]
+    assert lengths
+    assert not any(each.agrees for each in lengths)
+    assert all(each.difference < 0.0 for each in lengths)  # shorter, as it pulls more
+    for band in found.bands:
+        assert (band.identifiable, band.length_identifiable) == (False, False)
 
 
 def test_a_strap_that_slides_and_comes_back_leaves_more_than_its_springs_doubt_holds(checked, suit, biped):
@@ -181,7 +199,9 @@ def test_bands_that_harden_contradict_themselves_between_hard_and_soft_pulls(che
     assert not pulls.agrees
     assert pulls.between == (HARD, SOFT)
     assert pulls.difference > 0.0
-    assert not found.bands[0].identifiable
+    for band, true in zip(found.bands, suit.bands, strict=True):
+        assert band.natural_length.value > true.natural_length + 5.0 * band.natural_length.std  # a line's, and sure
+        assert (band.identifiable, band.length_identifiable) == (False, False)
 
 
 @pytest.mark.parametrize("approach", ["B", "paired"])

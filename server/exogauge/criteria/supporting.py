@@ -84,6 +84,13 @@ class Supporting:
         "a fit that is right to a per cent need not withstand",
         judgement(RULES),
     )
+    not_of_bands: float = criterion(
+        0.5,
+        "1",
+        "of what is measured with a device on, what its bands leave beyond chance, from which on it counts as another "
+        "thing's: springs that harden, creep, rub or run 5 mm beside leave a fifth",
+        judgement(RULES),
+    )
     false_alarms: float = criterion(
         0.01,
         "1",

@@ -64,7 +64,8 @@ class CrossCheck:
     """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
 
     check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`; of `halves` the two numbers are the
-    natural length of a band [m] in the halves of a log. between: names of the parts.
+    natural length of a band [m] in the halves of a log; `repetitions` and `strokes` have such numbers [m] beside them,
+    of one stiffness. between: names of the parts.
     difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
     misfit: by how much the stiffness may be off for what its springs leave, and its doubt.
     """

@@ -6,7 +6,7 @@
 - `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their
   doubt, the best
 - `band_rows`, `band_model`, `band_nuisances`, `band_weights`, `band_fit`: bands fitted to supporting torques
-- `band_inputs`, `band_doubt`, `band_interval`, `stiffness`, `cross_checks`: what their springs are, how sure, and
-  whether that agrees
+- `band_inputs`, `band_doubt`, `band_interval`, `stiffness`, `cross_checks`, `of_bands`: what their springs are, how
+  sure, whether that agrees, and whether it is theirs at all
 - `evaluate`, `result`: the recipe and its answer
 """

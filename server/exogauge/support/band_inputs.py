@@ -51,7 +51,8 @@ def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
     V = np.stack(found, axis=2, dtype=np.float32)
     flat = (V * np.sqrt(few.weight)[:, :, None].astype(np.float32)).reshape(-1, V.shape[2])
     told, directions = np.linalg.eigh((flat.T @ flat).astype(np.float64))
-    return few.everywhere(V @ directions[:, told > least_told])
+    some = told > least_told  # none where the springs pull next to nowhere, or leave all that is measured
+    return few.everywhere(V @ directions[:, some]) if some.any() else None
 
 
 @final

@@ -7,7 +7,7 @@ doubts of the fit go through the same split columns, so that what both parts sha
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -50,8 +50,9 @@ def within(
     seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting, sigma: Array, std: Array
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, natural lengths in its first half against those in its second,
-    bands that lengthen against the same that shorten, their harder half of pulls against the softer, bands of a group
-    against each other, what they leave against what there is without. robot: as in `contributions`. sigma: (D,) [N·m]
+    bands that lengthen against the same that shorten (both by their lengths too, with one stiffness for both), their
+    harder half of pulls against the softer, bands of a group against each other, what they leave against what there is
+    without. robot: as in `contributions`. sigma: (D,) [N·m]
     there, of the first joints of the fit: of further ones it is not known, and what is left on them is not held
     against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
@@ -59,30 +60,37 @@ def within(
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
     found: dict[int, list[CrossCheck]] = {place: [] for place in members}
     null = _null_of_fit(seen)
+
+    def layout_of(own: Sequence[int]) -> Iterable[int]:
+        """Natural lengths of these bands, each once."""
+        return dict.fromkeys(wear.layout.natural_length[own].tolist())
+
     for number, log in enumerate(logs.logs):
         if len(logs.logs) > 1 and (number == 0 or len(logs.logs) > 2):
             between = (log.name, logs.logs[1].name if len(logs.logs) == 2 else "others")
             parts = _between_samples(seen, robot, logs.log == number)
             for place, own in members.items():
-                found[place] += parts.springs(place, ("repetitions", bands[own[0]].group, between), null[place])
+                said = ("repetitions", bands[own[0]].group, between)
+                found[place] += (*parts.springs(place, said, null), *parts.lengths(place, layout_of(own), said, null))
         its_own = logs.log == number
         early = logs.time < 0.5 * (logs.time[its_own].min() + logs.time[its_own].max())
         halves = _between_samples(seen, robot, its_own & early, its_own & ~early)
         for place, own in members.items():
-            for length in dict.fromkeys(wear.layout.natural_length[own].tolist()):
+            for length in layout_of(own):
                 band = wear.layout.names[length].partition("[")[2].rstrip("]")
                 between = (f"{band}, first half of {log.name}", "second half")
-                lengths = halves.springs(length, ("halves", bands[own[0]].group, between), null[length])
+                lengths = halves.springs(length, ("halves", bands[own[0]].group, between), null)
                 found[place] += [replace(each, unit="m") for each in lengths]
     for place, own in members.items():
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
-        found[place] += _between_samples(seen, robot, rate > 0.0).springs(place, said, null[place])
+        parts = _between_samples(seen, robot, rate > 0.0)
+        found[place] += (*parts.springs(place, said, null), *parts.lengths(place, layout_of(own), said, null))
         pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
         said = ("pulls", bands[own[0]].group, (HARD, SOFT))
         if np.any(pull > 0.0):
             hard = pull > np.median(pull[pull > 0.0])
-            found[place] += _between_samples(seen, robot, hard).springs(place, said, null[place])
+            found[place] += _between_samples(seen, robot, hard).springs(place, said, null)
     known = slice(len(sigma))
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
     slopes = seen.setting.nuisances.without(seen.fitted.A)
@@ -142,19 +150,48 @@ class _Split:
     split: Fitted
     robot: Mapping[str, Array]
 
-    def springs(self, place: int, said: Said, beside: float) -> Iterator[CrossCheck]:
-        """One spring, split in two. beside: [N/m] what each part errs by besides."""
+    def springs(self, place: int, said: Said, beside: Array) -> Iterator[CrossCheck]:
+        """One spring, split in two. beside: (P, P) what each part errs by besides."""
+        other = place + len(self.split.wear.springs)
+        doubt = float(np.sqrt(2.0 * beside[place, place])) if self._in_both(place) else 0.0
+        return self.values(place, other, said, doubt)
+
+    def lengths(self, stiffness: int, places: Iterable[int], said: Said, beside: Array) -> Iterator[CrossCheck]:
+        """Natural lengths, split in two, where the stiffness is one: δ_l - (C_lk / C_kk) δ_k. A band that is taut all
+        along may pull more in one part than in the other, and hardly tells whether it is stiffer or shorter there."""
+        S = len(self.split.wear.springs)
+        step, shares = self._step
+        for place in places:
+            chosen = np.array([place, stiffness])
+            contrast = np.zeros((len(step), 2))
+            contrast[chosen, [0, 1]], contrast[chosen + S, [0, 1]] = 1.0, -1.0
+            if not all(self._told(contrast[:, k], [int(chosen[k]), int(chosen[k]) + S]) for k in (0, 1)):
+                continue
+            C = sum((contrast.T @ each @ contrast for each in shares.values()), np.zeros((2, 2)))
+            if all(self._in_both(each) for each in chosen):
+                C = C + 2.0 * beside[np.ix_(chosen, chosen)]
+            if C[1, 1] > 0.0:
+                own, slope = contrast.T @ step, C[0, 1] / C[1, 1]
+                variance = max(float(C[0, 0] - slope * C[0, 1]), 0.0)
+                yield CrossCheck(*said, float(own[0] - slope * own[1]), float(np.sqrt(variance)), unit="m")
+
+    def _in_both(self, place: int) -> bool:
+        """Both parts hold something of a spring."""
         A, other = self.split.A, place + len(self.split.wear.springs)
         shares = [float(np.sum(self.seen.setting.weight * A[:, :, each] ** 2)) for each in (place, other)]
-        both = min(shares) > NULL * max(sum(shares), 1e-300)
-        return self.values(place, other, said, beside * np.sqrt(2.0) if both else 0.0)
+        return min(shares) > NULL * max(sum(shares), 1e-300)
+
+    def _told(self, contrast: Array, chosen: list[int]) -> bool:
+        """The data hold this difference of two values."""
+        H, size = self.split.hessian, self._size
+        blind = np.abs(contrast @ self._blind) > 1e-6 * size[chosen].max()
+        return not (np.any(np.diag(H)[chosen] <= 0.0) or np.any(blind))
 
     def values(self, one: int, other: int, said: Said, beside: float = 0.0) -> Iterator[CrossCheck]:
         """The difference of two values' steps; nothing where the data hold none. beside: further doubt of it."""
-        H, size, chosen = self.split.hessian, self._size, [one, other]
-        contrast = np.zeros(len(H))
+        contrast = np.zeros(len(self.split.hessian))
         contrast[one], contrast[other] = 1.0, -1.0
-        if np.any(np.diag(H)[chosen] <= 0.0) or np.any(np.abs(contrast @ self._blind) > 1e-6 * size[chosen].max()):
+        if not self._told(contrast, [one, other]):
             return
         step, shares = self._step
         variance = sum(float(contrast @ each @ contrast) for each in shares.values()) + beside**2
@@ -191,11 +228,11 @@ def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int,
 
 
 def _null_of_fit(seen: BandFit) -> Array:
-    """(P,) what the null test is in the doubt of each value."""
+    """(P, P) what the null test is in the doubt of the values."""
     nothing = np.zeros_like(seen.fitted.hessian)
-    if seen.null is not None:
-        nothing = contributions(seen.setting, seen.fitted, {}, seen.null).get("null_test", nothing)
-    return np.asarray(np.sqrt(np.maximum(np.diag(nothing), 0.0)))
+    if seen.null is None:
+        return nothing
+    return contributions(seen.setting, seen.fitted, {}, seen.null).get("null_test", nothing)
 
 
 def _believing_nothing(setting: Setting) -> Setting:
@@ -257,6 +294,7 @@ def _told(band: BandEstimate, checks: Sequence[CrossCheck]) -> BandEstimate:
     if not failed or not band.identifiable:
         return band
     worst = max(failed, key=lambda each: abs(each.z) / each.limit)
-    note = Remark(SAID[worst.check], worst.between, numbers=(worst.difference, worst.std))
-    stays = all(each.check != "halves" for each in failed)  # else there was no one length
+    said = About.LENGTHS_DISAGREE if worst.unit == "m" and worst.check != "halves" else SAID[worst.check]
+    note = Remark(said, worst.between, numbers=(worst.difference, worst.std))
+    stays = all(each.check not in OF_THE_BANDS and each.unit != "m" for each in failed)  # else no line ends at a length
     return replace(band, identifiable=False, length_identifiable=band.length_identifiable and stays, note=note)

@@ -29,6 +29,7 @@ from exogauge.support.inputs import Doubts, sloped_samples
 from exogauge.support.labels import notes_on_labels
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_drift, notes_on_logs, notes_on_zeros
+from exogauge.support.of_bands import notes_on_rest
 from exogauge.support.phases import phase_names
 from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
@@ -136,7 +137,8 @@ def conclude_support(
     stiffness = judged(list(side_by_side(lambda fit: fit(), fits)), model.criteria.support)
     progress(0.95, Doing.COMPARING_BAND_MODEL)
     support = _result(model, gathered.evidences, gathered.backgrounds, stiffness, gathered.names, settings)
-    return replace(support, remarks=(*gathered.notes, *support.remarks)), stiffness
+    rest = notes_on_rest(model, gathered.names, gathered.evidences, gathered.backgrounds, stiffness)
+    return replace(support, remarks=(*gathered.notes, *rest, *support.remarks)), stiffness
 
 
 @final

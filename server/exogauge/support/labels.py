@@ -25,8 +25,6 @@ from exogauge.remarks import About, Remark
 from exogauge.support.evidence import Evidence
 from exogauge.support.repeatability import Plain
 
-MISLABELLED = {About.LABELS_EXCHANGED, About.DEVICE_ON_WHERE_FITTED}  # no estimate is worth anything then
-
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 

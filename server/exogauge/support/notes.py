@@ -16,6 +16,12 @@ from exogauge.support.drift import Drift
 from exogauge.support.settings import PlainLog, WornLog
 from exogauge.support.zeros import Zeros
 
+NOT_THE_DEVICE = {  # no estimate is worth anything then
+    About.LABELS_EXCHANGED,
+    About.DEVICE_ON_WHERE_FITTED,
+    About.NOT_OF_BANDS,
+}
+
 IntArray = NDArray[np.intp]
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
@@ -98,6 +99,11 @@ class Effort:
     mean: Estimate
     integral: Estimate
 
+    def with_nothing_decided(self) -> Effort:
+        """The same, of which the data say nothing."""
+        peak, mean, integral = (replace(each, std=math.inf, parts={}) for each in (self.peak, self.mean, self.integral))
+        return Effort(peak, mean, integral)
+
 
 @final
 @dataclass(frozen=True)
@@ -133,6 +139,7 @@ class JointSupport:
     masked_share: of A's samples left out because the runs' friction differs; rest_share: of samples at rest.
     rest_half_width: [N·m] half of the interval at rest by B.
     slides: the joint does, so that what is in N·m is in N, and what is in rad in m.
+    decided: by the data; if not, there is no headline, and no approach's number has an end to its doubt.
     """
 
     device: str
@@ -153,6 +160,16 @@ class JointSupport:
     rest_half_width: float
     slides: bool = False
     best: Best | None = None
+    decided: bool = True
+
+    def with_nothing_decided(self) -> JointSupport:
+        """The same, where no number counts as decided by the data. What the device file's bands give is no estimate."""
+
+        def undecided(by: Mapping[str, Effort]) -> dict[str, Effort]:
+            return {name: each if name == "band_model" else each.with_nothing_decided() for name, each in by.items()}
+
+        phases = tuple(replace(each, by=undecided(each.by), best=None) for each in self.phases)
+        return replace(self, by=undecided(self.by), phases=phases, best=None, decided=False)
 
     @property
     def unit(self) -> str:
@@ -168,3 +185,7 @@ class SupportResult:
     joints: tuple[JointSupport, ...]
     band_model: Mapping[str, Remark]
     remarks: tuple[Remark, ...]
+
+    def with_nothing_decided(self) -> SupportResult:
+        """The same, where no number of any joint counts as decided by the data."""
+        return replace(self, joints=tuple(each.with_nothing_decided() for each in self.joints))

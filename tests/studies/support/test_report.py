@@ -16,9 +16,12 @@ from exogauge.remarks import About, Remark
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.report.figures import draw_support, outline, runs
 from exogauge.studies.report.stiffness_section import device_views, stiffness_sentence
+from exogauge.studies.report.summary_figure import support_figure
 from exogauge.studies.report.support_section import motion_views, strongest, support_sentence
 from exogauge.studies.report.write import render_report
 from exogauge.studies.results.document import Evaluation
+from exogauge.studies.results.plain_values import finite
+from exogauge.studies.results.support_results import support_entries
 from exogauge.studies.words.rounding import between, significant
 from exogauge.support.result import SupportResult
 
@@ -249,3 +252,19 @@ def test_what_the_doubt_of_peak_and_stiffness_is_made_of_stands_with_what_would_
     assert "scatter of the logs 0.30 36 %" in said
     assert "places of the via points 2.0 100 %" in said
     assert "Measure via points to 2 mm" in said
+
+
+def test_no_peak_that_is_not_decided_is_told_or_drawn_as_if_it_was(
+    support: SupportResult,
+) -> None:
+    undecided = support.with_nothing_decided()
+    joint = strongest(undecided, "Normal suit")
+    assert joint is not None
+    assert support_sentence(joint) == "Normal suit: what it gives is not decided."
+    views = motion_views(undecided)
+    assert [view.doubts for view in views] == [None] * len(views)
+    for peak, _, _ in (row.cells for view in views for table in view.efforts for row in table.rows):
+        assert all(each.startswith("(") and each.endswith(")") for each in peak[:3])
+    entries = finite(support_entries(undecided))
+    assert support_figure(entries, 20) is None
+    assert support_figure(finite(support_entries(support)), 20) is not None

@@ -267,3 +267,16 @@ def test_an_evaluation_with_a_device_leaves_every_file_that_it_names(
     assert (told["names"], told["numbers"]) == (["bend_normal_1"], [1.0, 2.0])
     assert told["sentence"].startswith("bend_normal_1, from 1.00 to 2.00 s: something touched the robot.")
     assert found["warnings"] == [each["sentence"] for each in found["notices"]]
+
+
+def test_what_is_not_decided_has_no_headline_and_no_end_to_its_doubt(support: SupportResult) -> None:
+    """A fit that is spoiled, labels that are exchanged: peaks stood there with their doubt as if nothing was wrong."""
+    found, before = entry(support.with_nothing_decided()), entry(support)
+    assert before["peak"] is not None
+    assert [found[name] for name in ("peak", "mean", "integral")] == [None] * 3
+    told = [found["approaches"][name] for name in ("A", "B", "paired", "prior")]
+    told += [part["approaches"][name] for part in found["phases"] for name in ("A", "B", "paired", "prior")]
+    assert [each[name]["std"] for each in told for name in ("peak", "mean", "integral")] == [None] * (3 * len(told))
+    assert {ends for each in told[:4] for ends in each["peak"]["interval_95"]} <= {None}
+    assert {part["best"] for part in found["phases"]} == {None}
+    assert found["approaches"]["band_model"] == before["approaches"]["band_model"]

@@ -123,10 +123,10 @@ def tiles(evaluation: Evaluation, pooled: Sequence[Summary]) -> list[list[Tile]]
 
 
 def _support_tile(joint: JointSupport) -> Tile | None:
-    """RMSE against the band model by the best approach; None where nothing can be compared."""
+    """RMSE against the band model by the best approach; None where nothing can be compared, or counts as decided."""
     prior, approach = joint.rmse.get("prior", math.nan), best_approach(joint)
     found = joint.rmse.get(approach, math.nan)
-    if not (math.isfinite(prior) and math.isfinite(found)):
+    if not (joint.decided and math.isfinite(prior) and math.isfinite(found)):
         return None
     others = [(NAMES[name], joint.rmse.get(name, math.nan)) for name in MEASURED if name != approach]
     beside = "".join(f"{name} {significant(rmse)} {joint.unit} · " for name, rmse in others if math.isfinite(rmse))

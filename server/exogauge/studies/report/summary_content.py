@@ -167,8 +167,10 @@ def _model_peak(entry: Mapping[str, Any]) -> str:
 
 
 def _peak(entry: Mapping[str, Any], approach: str) -> str:
+    """In brackets where the data do not decide it."""
     found = entry["approaches"].get(approach)
-    return estimate(found["peak"]) if found else "–"
+    shown = estimate(found["peak"]) if found else "–"
+    return shown if entry["peak"] is not None or not found else f"({shown})"
 
 
 def _stiffness(results: Mapping[str, Any], detail: Detail) -> Block | None:

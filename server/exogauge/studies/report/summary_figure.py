@@ -83,8 +83,9 @@ def _shown(entry: Mapping[str, Any]) -> bool:
 
 
 def _value(entry: Mapping[str, Any], approach: str) -> float | None:
-    found = entry["approaches"].get(approach)
-    return None if found is None else found["peak"]["value"]
+    """None of what the data do not decide, as a mark without its doubt would look sure."""
+    found, decided = entry["approaches"].get(approach), entry["peak"] is not None
+    return found["peak"]["value"] if found and (decided or approach == "band_model") else None
 
 
 def _span(entry: Mapping[str, Any], approach: str) -> tuple[float, ...]:

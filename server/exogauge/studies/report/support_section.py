@@ -126,7 +126,7 @@ def _doubts(joints: Sequence[JointSupport]) -> DoubtTable | None:
     numbers: dict[tuple[str, str], Mapping[str, float]] = {}
     for each in joints:
         approach = best_approach(each)
-        for name in ("peak", "mean") if approach in each.by else ():
+        for name in ("peak", "mean") if each.decided and approach in each.by else ():
             whose = f", {each.device}" if several else ""
             numbers[each.joint, f"{name}, {NAMES[approach]}{whose} [{each.unit}]"] = getattr(
                 each.by[approach], name
@@ -196,9 +196,11 @@ def _cells(by: Mapping[str, Effort]) -> tuple[tuple[str, ...], ...]:
 
 
 def plus_minus(estimate: Estimate) -> str:
-    """`5.03 ± 0.12`; the value alone where there is no standard deviation."""
+    """`5.03 ± 0.12`; the value alone where there is no standard deviation, in brackets where the data say nothing."""
     if not math.isfinite(estimate.value):
         return "–"
+    if math.isinf(estimate.std):
+        return f"({significant(estimate.value)})"
     if not (math.isfinite(estimate.std) and estimate.std > 0.0):
         return significant(estimate.value)
     return " ± ".join(with_std(estimate.value, estimate.std))
@@ -235,6 +237,8 @@ def strongest(support: SupportResult, device: str) -> JointSupport | None:
 def support_sentence(joint: JointSupport) -> str:
     """`Normal suit (bend): up to 5.1 ± 0.2 N·m of support at torso_pitch by approach A (band model 5.0).`"""
     approach = best_approach(joint)
+    if not joint.decided:
+        return f"{joint.device}: what it gives is not decided."
     if approach not in joint.by:
         return ""
     peak = joint.by[approach].peak

@@ -165,9 +165,9 @@ def _numbers(effort: Effort) -> list[Any]:
 
 
 def _headline(joint: JointSupport) -> dict[str, Any]:
-    """Peak, mean and integral of the whole motion, by the best approach."""
+    """Peak, mean and integral of the whole motion, by the best approach; None where the data decide nothing."""
     approach = best_approach(joint)
-    if approach not in joint.by:
+    if not joint.decided or approach not in joint.by:
         return dict.fromkeys(QUANTITIES)
     effort = joint.by[approach]
     as_good = joint.best.as_good if joint.best else (approach,)

@@ -202,6 +202,12 @@ FORMS: Mapping[About, Form] = {
         "the logs of role identification. Record these without it; if they are, the robot is not known well enough. "
         "Believe nothing of the device until then.",
     ),
+    About.NOT_OF_BANDS: Form(
+        "What is measured with {beside} on is not what its bands could give: fitted as they run in the device file, "
+        "they leave {names}. A load that these logs alone carry, bands that the file lacks or lays elsewhere, or "
+        "another device look so. Believe nothing of the device until then.",
+        each="{0:.3g} of {1:.3g} N·m in {name}",
+    ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
     About.BANDS_IDENTIFIED: Form("the device file, and what it does not say as identified by approach {beside}"),
@@ -262,6 +268,12 @@ FORMS: Mapping[About, Form] = {
     About.SIDES_DISAGREE: Form(
         _DISAGREE + "What can do it: via points that are not where they are stated, bands that are not alike, one that "
         "was put on otherwise, a foot sensor's gain.",
+        joined=" and ",
+    ),
+    About.LENGTHS_DISAGREE: Form(
+        "The bands do not pull alike in {names}: with one stiffness for both their natural lengths disagree by {0:.2g} "
+        "± {1:.2g} m. What can do it: friction of the joint or of the band at its via points, hysteresis, a sensor "
+        "that lags; between logs, a suit that was put on otherwise or slipped, or something that only one log carries.",
         joined=" and ",
     ),
     About.HALVES_DISAGREE: Form(

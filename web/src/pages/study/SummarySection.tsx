@@ -65,7 +65,7 @@ export function SummarySection({ study, results }: { study?: Study; results: Res
           <Card study={study} to="support" title="Supporting torque, peak">
             {main.map((each) => (
               <Fact key={`${each.device} ${each.motion} ${each.joint}`} name={`${each.motion}, ${each.joint}`} about={each.device}>
-                {each.peak && <Uncertain {...each.peak} />} {each.peak && `by ${each.peak.approach}`}
+                {each.peak && <Uncertain {...each.peak} />} {each.peak ? `by ${each.peak.approach}` : "not decided"}
               </Fact>
             ))}
             <Note>

@@ -61,7 +61,7 @@ type Mark = { words: string; look: (typeof APPROACHES)[number]["look"]; value: n
 
 function marksOf(each: Support): Mark[] {
   return APPROACHES.flatMap(({ key, words, look }) => {
-    const peak = each.approaches[key]?.peak;
+    const peak = each.peak || key === "band_model" ? each.approaches[key]?.peak : undefined; // undecided: a mark without doubt would look sure
     return peak && isNumber(peak.value) ? [{ words, look, value: peak.value, doubt: DOUBT * (peak.std ?? 0) }] : [];
   });
 }

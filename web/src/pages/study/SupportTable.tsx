@@ -32,6 +32,11 @@ export function SupportTable({ motion, rows }: { motion: string; rows: Support[]
                       <Text size="xs" c="dimmed">
                         {restWords(each)}
                       </Text>
+                      {!each.peak && (
+                        <Text size="xs" c="dimmed">
+                          not decided by the data
+                        </Text>
+                      )}
                     </Table.Th>
                   )}
                   <Table.Td>{words}</Table.Td>

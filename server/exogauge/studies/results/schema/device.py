@@ -218,7 +218,9 @@ class StiffnessCheck(Part):
     between: list[str] = Field(description="the two parts")
     difference: Number = Field(description="first minus second; of `misfit`: how far the stiffness may be off")
     std: Number = Field(description="of the difference")
-    unit: Literal["N/m", "m"] = later("of both; m of `halves`, which compare natural lengths")
+    unit: Literal["N/m", "m"] = later(
+        "of both; m of `halves`, and of `repetitions` and `strokes` with one stiffness, which compare natural lengths"
+    )
     z: Number = Field(description="difference over std")
     limit: Number = Field(description="of |z|")
     agrees: bool = Field(description="within the limit; where not, the stiffness is not identifiable")
