@@ -47,7 +47,7 @@ STEPS = {  # each loads what those before it do, and more; and what it does not
     "upload": (UPLOAD, {*SHELL, *PAGES, *SLOW, "numba", "scipy.linalg", "h5py", "rosbags"}),
     "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
     "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
-    "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
+    "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "scipy.stats", "numba", "h5py", "rosbags"}),
 }
 SERVICE = {"mujoco", "numba", "scipy", "pinocchio", "pyarrow", *PAGES}
 

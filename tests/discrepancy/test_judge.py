@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import wilcoxon
+from scipy.stats import rankdata, wilcoxon
 
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.verdict import Why
@@ -14,6 +14,7 @@ from exogauge.search.candidates import Candidate
 from exogauge.search.judge import apart, judge
 from exogauge.search.score import Score
 from exogauge.search.site_rows import collect_rows
+from exogauge.search.sums import ranks
 
 AXIS = 1
 SITE = AxisSite(AXIS)
@@ -202,3 +203,9 @@ def test_a_run_s_own_criteria_are_asked(case):
     judging = replace(model.criteria.judging, sure=1.01 * found.z)
     strict = replace(model, criteria=replace(model.criteria, judging=judging))
     assert judge(strict, replace(score, evidence=1.0), rows).objection.why is Why.NOT_SURE
+
+
+@pytest.mark.parametrize("decimals", [0, 1, 8])
+def test_ranks_are_scipys_where_values_are_equal_too(decimals):
+    values = np.abs(np.random.default_rng(decimals).normal(size=40)).round(decimals)
+    np.testing.assert_array_equal(ranks(values), rankdata(values))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
@@ -61,6 +62,18 @@ def logs(biped, wander):
 @pytest.fixture(scope="module")
 def model(robot, logs):
     return identified(robot, logs)
+
+
+@pytest.fixture(scope="module")
+def spoilt(biped, robot, logs):
+    """(name of an input, its size) -> how logs are spoilt by it, and the model that these make."""
+
+    @cache  # what parameters and supporting torque are asked of is the same
+    def made(name, size):
+        spoil = CASES[name](biped, size)
+        return spoil, identified(robot, [spoil(log) for log in logs])
+
+    return made
 
 
 def changed(log: Log, channels: dict) -> Log:
@@ -177,9 +190,9 @@ def test_every_common_input_is_tried(model):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EACH)
-def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(biped, robot, logs, model, name):
+def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(model, spoilt, name):
     step = 1e-4  # more would be seen in the residuals, and rows be weighed anew
-    up, down = (identified(robot, [CASES[name](biped, size)(log) for log in logs]) for size in (step, -step))
+    up, down = (spoilt(name, size)[1] for size in (step, -step))
     moved = (up.solution.unbounded.x - down.solution.unbounded.x) / (2.0 * step)
     assert astray(model, moved, model.inputs.moved[:, model.inputs.names.index(name)]) < 0.1
 
@@ -187,14 +200,13 @@ def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(bipe
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EACH)
 def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_it(
-    biped, robot, logs, model, suit, wander, name
+    biped, model, spoilt, suit, wander, name
 ):
     worn, samples = biped.record(wander(5), "worn", bands=suit.bands).log, np.arange(100, 700, 20)
     step = 1e-3 if name == "clock.imu" else 1e-4  # a tenth of a millisecond drowns in the noise of accelerations
     found = []
     for size in (step, -step):
-        spoil = CASES[name](biped, size)
-        again = identified(robot, [spoil(log) for log in logs])
+        spoil, again = spoilt(name, size)
         found.append(balance(again, again.prepare(spoil(worn)), EVERY).torque[samples])
     prepared, change = model.prepare(worn), (found[0] - found[1]) / (2.0 * step)
     column = model.equations.size + model.inputs.names.index(name)

@@ -63,13 +63,19 @@ def found(model, plain, worn, started=STARTS):
     return find_drift(model, plain, [each.log for each in worn], balances, started)
 
 
+def spread(drift, log, other):
+    """(A, K) doubt of what a motor does between two logs."""
+    return np.linalg.norm(np.concatenate(drift.inputs(log), 2) - np.concatenate(drift.inputs(other), 2), axis=2)
+
+
 @pytest.mark.slow
 def test_a_drift_that_is_known_is_taken_off_to_the_last_digit(biped, clean):
     model, share = biped.known(), SIZE * EACH
     log = clean["worn1"]
     drift = Drift(
-        ("kt_drift",), {log.name: 0}, np.ones((1, 1)), share[:, None, None], np.zeros((6, 1, 1)), np.ones(6, dtype=bool)
-    )
+        ("kt_drift",), {log.name: 0}, np.ones((1, 1)), share[:, None, None], np.zeros((6, 1, 1)), np.zeros((6, 1, 1)),
+        np.ones(6, dtype=bool),
+    )  # fmt: skip
     spoilt = balance(model, model.prepare(drifted(log, share)), EVERY)
     as_it_was = balance(model, model.prepare(log), EVERY).torque
     assert np.abs(spoilt.torque - as_it_was).max() > 0.5
@@ -81,9 +87,9 @@ def test_what_is_left_in_doubt_of_it_is_what_it_takes_off_per_standard_deviation
     declared = Declared(kt_drift=SIZE, viscous_drift=0.1, coulomb_drift=0.05)
     model = replace(any_biped, robot=replace(any_biped.robot, declared=declared)).known()
     log, rng = any_biped.record(stoop(1), "one").log, np.random.default_rng(0)
-    root = np.tril(rng.normal(size=(6, 6, 6)))
+    root, common = np.tril(rng.normal(size=(6, 6, 6))), rng.normal(size=(6, 6, 6))
     names = ("kt_drift", "viscous_drift", "coulomb_drift")
-    drift = Drift(names, {"one": 0}, rng.normal(size=(1, 2)), np.zeros((6, 3, 2)), root, np.ones(6, dtype=bool))
+    drift = Drift(names, {"one": 0}, rng.normal(size=(1, 2)), np.zeros((6, 3, 2)), root, common, np.ones(6, dtype=bool))
     own, samples = balance(model, model.prepare(log), EVERY), np.arange(50, 400, 10)
     doubt = drift.doubt(model, own.prepared, samples, EVERY)
     for axis, column in ((1, 0), (1, 3), (3, 5), (3, 2)):
@@ -92,6 +98,10 @@ def test_what_is_left_in_doubt_of_it_is_what_it_takes_off_per_standard_deviation
         found = doubt[names[column // 2]][:, :, 2 * axis + column % 2]
         assert np.abs(found).max() > 0.01
         np.testing.assert_allclose(found, change[samples], rtol=1e-5, atol=1e-6)
+    for column in (1, 4):
+        change = own.torque - replace(drift, beta=common[:, :, column].reshape(6, 3, 2)).without(model, own).torque
+        found = doubt[names[column // 2]][:, :, 12 + column % 2]
+        np.testing.assert_allclose(found, change[samples], rtol=1e-5, atol=1e-5)
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
@@ -105,7 +115,7 @@ def test_runs_before_and_after_tell_how_far_motors_have_warmed_between(model, cl
         since = warm(STARTS[name]) - warm(STARTS["before1"])
         told = (drift.share(log) - drift.share(clean["before1"]))[:, 0]
         truth = sign * SIZE * EACH * since
-        std = np.linalg.norm(drift.inputs(log) - drift.inputs(clean["before1"]), axis=2)[:, 0]
+        std = spread(drift, log, clean["before1"])[:, 0]
         assert np.all(np.abs(told - truth) < 3.0 * std)
         assert abs(told[pitch] - truth[pitch]) < 0.15 * SIZE, (told[pitch], truth[pitch])
         assert std[pitch] < 0.2 * SIZE
@@ -125,7 +135,7 @@ def test_a_session_that_ran_the_other_way_round_is_told_as_it_was(model, clean, 
     drift, pitch = found(model, plain, worn, back), JOINTS.index("torso_pitch")
     told = (drift.share(clean["worn1"]) - drift.share(clean["after1"]))[:, 0]
     truth = -SIZE * EACH * (warm(STARTS["worn1"]) - warm(STARTS["after1"]))
-    std = np.linalg.norm(drift.inputs(clean["worn1"]) - drift.inputs(clean["after1"]), axis=2)[:, 0]
+    std = spread(drift, clean["worn1"], clean["after1"])[:, 0]
     assert abs(told[pitch] - truth[pitch]) < 3.0 * std[pitch] + 1e-4
 
 
@@ -155,7 +165,7 @@ def test_drives_that_rub_less_as_they_warm_are_told_from_motors_that_give_more(b
     for name in ("worn1", "worn2"):
         told = drift.share(warmed[name]) - drift.share(warmed["before1"])
         truth = np.multiply.outer(EACH * (warm(STARTS["before1"]) - warm(STARTS[name])), [0.0, 0.1, 0.05])
-        std = np.linalg.norm(drift.inputs(warmed[name]) - drift.inputs(warmed["before1"]), axis=2)
+        std = spread(drift, warmed[name], warmed["before1"])
         assert np.all(np.abs(told - truth) < 3.0 * std)
         rubs = np.array([0.0, biped.xi["k_d"][pitch] * 0.4, biped.xi["tau_c"][pitch]])  # at a usual speed [rad/s]
         assert abs(rubs @ (told - truth)[pitch]) < 0.3 * abs(rubs @ truth[pitch])
@@ -213,12 +223,47 @@ def test_a_share_in_between_is_doubted_as_it_errs():
         truth = SIZE * course @ rng.normal(size=R) / np.sqrt(R)
         seen = truth[runs] + 0.05 * rng.normal() + 0.001 * rng.normal(size=4)
         told = Runs(course[runs], ["a"] * 4, seen[:, None], np.full((4, 1, 1), 1e-6))
-        beta, root = told_by(told, np.array([SIZE / np.sqrt(R)]), 1.0)
+        beta, *roots = told_by([told], np.full((1, 1, R), SIZE / np.sqrt(R)), 1.0)
         change = course[3] - course[1]
-        z.append((change @ beta[0] - (truth[3] - truth[1])) / np.linalg.norm(root.T @ change))
+        std = np.linalg.norm([each[0].T @ change for each in roots])
+        z.append((change @ beta[0, 0] - (truth[3] - truth[1])) / std)
     assert len(DECLARED.warming_s) == R
     assert 0.93 < np.mean(np.abs(z) < 1.96) < 0.97 + 0.02
     assert abs(np.mean(z)) < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alike", [0.0, DECLARED.motors_alike, 1.0])
+def test_motors_that_no_run_tells_of_are_believed_to_warm_as_those_that_are_told(alike):
+    """Four of six are told, by runs that err; in the sum of the other two all motors' common warming counts twice."""
+    rng, R, runs = np.random.default_rng(2), len(DECLARED.warming_s), np.array([1, 2, 4, 5])
+    course = courses(np.array([30.0, 600.0, 700.0, 1300.0, 2200.0, 2300.0]), 2320.0)
+    course, size = course - course[0], SIZE / np.sqrt(R)
+    change, z, errors, sums = course[3] - course[1], [], [], []
+    for _ in range(1000):
+        common, own = rng.normal(size=R), rng.normal(size=(6, R))
+        truth = size * (np.sqrt(alike) * common + np.sqrt(1.0 - alike) * own)
+        seen = truth @ course[runs].T + 0.05 * rng.normal(size=(6, 1)) + 0.002 * rng.normal(size=(6, 4))
+        told = [Runs(course[runs], ["a"] * 4, each[:, None], np.full((4, 1, 1), 4e-6)) for each in seen[:4]]
+        beta, root, shared = told_by([*told, None, None], np.full((6, 1, R), size), 1.0)
+        off = (beta[:, 0] - truth) @ change
+        std = np.hypot(np.linalg.norm(change @ root, axis=1), np.linalg.norm(change @ shared, axis=1))
+        both = np.linalg.norm([*(change @ root[4:]), change @ (shared[4] + shared[5])])
+        z.append(off / std)
+        errors.append((off[4:], truth[4:] @ change))
+        sums.append(off[4:].sum() / np.linalg.norm(both))
+    told_off, untold_off = np.std(np.array(z)[:, :4]), np.std(np.array(z)[:, 4:])
+    off, size_of_truth = np.std(np.array(errors), axis=(0, 2))
+    if alike == DECLARED.motors_alike:
+        assert 0.93 < told_off < 1.07
+        assert 0.93 < untold_off < 1.07
+        assert 0.93 < np.std(sums) < 1.07
+        assert off < 0.9 * size_of_truth
+    if alike == 1.0:
+        assert off < 0.6 * size_of_truth
+        assert max(told_off, untold_off, np.std(sums)) < 1.07
+    if alike == 0.0:
+        assert untold_off < 1.5, untold_off
 
 
 def test_what_a_log_says_of_a_drive_is_never_known_better_than_by_errors_that_do_not_last():

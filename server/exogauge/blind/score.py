@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
+import scipy
 
 from exogauge.blind.answers import read_answers
 from exogauge.blind.verdict import Verdict, verdict
@@ -276,8 +276,8 @@ def interval_95(count: int, n: int) -> tuple[float, float]:
     if n == 0:
         return 0.0, 1.0
     beyond = (1.0 - CONFIDENCE) / (1.0 if count in (0, n) else 2.0)
-    low = 0.0 if count == 0 else float(beta.ppf(beyond, count, n - count + 1))
-    high = 1.0 if count == n else float(beta.ppf(1.0 - beyond, count + 1, n - count))
+    low = 0.0 if count == 0 else float(scipy.special.betaincinv(count, n - count + 1, beyond))
+    high = 1.0 if count == n else float(scipy.special.betaincinv(count + 1, n - count, 1.0 - beyond))
     return low, high
 
 

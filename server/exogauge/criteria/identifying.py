@@ -212,6 +212,13 @@ class Declaring:
         "halfway through a session and at its end",
         derived("square root of 1/2"),
     )
+    motors_alike: float = criterion(
+        0.5,
+        "1",
+        "share of the variance of a drift that all motors of a robot have in common: they warm in one session and one "
+        "room, each by its own load and losses",
+        judgement(DRIFTS),
+    )
     warming_s: tuple[float, ...] = criterion(
         (300.0, 600.0, 1200.0, 2400.0, 4800.0),
         "s",

@@ -13,7 +13,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import Prepared
@@ -154,9 +153,15 @@ def sureness(gains: Array) -> float:
     n = len(told)
     if n < 5:  # from five on ranks tell anything: P = 1/32 that all are positive by chance
         return by_mean
-    positive = float(rankdata(np.abs(told))[told > 0.0].sum())
+    positive = float(ranks(np.abs(told))[told > 0.0].sum())
     by_rank = (positive - n * (n + 1) / 4.0) / float(np.sqrt(n * (n + 1) * (2 * n + 1) / 24.0))
     return max(by_mean, by_rank) if by_mean > 0.0 else min(by_mean, by_rank)
+
+
+def ranks(values: Array) -> Array:
+    """(N,) 1 for the smallest; equal ones share the mean of theirs. values: (N,) finite."""
+    _, which, alike = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(alike) - 0.5 * (alike - 1))[which])
 
 
 def summed(values: Array, part: NDArray[np.intp]) -> Array:

@@ -22,6 +22,7 @@ from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import (
     NULL,
     SHORTEST,
+    SMALL,
     Added,
     Belief,
     Fitted,
@@ -148,9 +149,9 @@ def best_start(setting: Setting, begin: Sequence[Wear]) -> Wear:
     return min(downhill(thinned(setting), begin), key=lambda each: each.cost).wear
 
 
-def downhill(setting: Setting, begin: Sequence[Wear]) -> list[Reached]:
-    """Where each start ends."""
-    return [lowest(setting, _with_best_stiffness(setting, each)) for each in begin]
+def downhill(setting: Setting, begin: Sequence[Wear], small: float = SMALL) -> list[Reached]:
+    """Where each start ends. small: as in `lowest`."""
+    return [lowest(setting, _with_best_stiffness(setting, each), small=small) for each in begin]
 
 
 def starts(plan: Layout, wires: Sequence[Wire], laws: tuple[Added, ...]) -> list[Wear]:

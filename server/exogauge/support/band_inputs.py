@@ -16,7 +16,7 @@ from exogauge.devices.routing import Routing
 from exogauge.identification.disturbances import ZERO
 from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
 from exogauge.support.band_nuisances import Between
-from exogauge.support.band_rows import WearLog, Wire, between, taut
+from exogauge.support.band_rows import WearLog, Wire, between, stretches_and_taut, taut
 from exogauge.support.evidence import on_joints
 
 Array = NDArray[np.float64]
@@ -118,15 +118,15 @@ class BandInputs:
         """(n, D) of each coordinate, per metre."""
         routing = wire.course.routing
         assert routing is not None
-        there = Routing(routing.tree, [band]).geometry(self._posture)
         moved = Routing(routing.tree, [band, *_moved(band)])
         geometry = moved.geometry(self._posture)
         jacobian = on_joints(geometry.jacobian, moved, self._joints)
         k, l_0 = self._wear.spring(place)
-        pull = k * np.maximum(there.length[:, 0] - l_0, 0.0)
+        stretch, at_all = (k * each[self._chosen] for each in stretches_and_taut([wire], np.array([l_0])))
         for n in range(1, geometry.length.shape[1]):
-            other = k * np.maximum(geometry.length[:, n] - l_0, 0.0)
-            yield (jacobian[:, 0] * pull[:, None] - jacobian[:, n] * other[:, None]) / NEAR
+            longer = (geometry.length[:, [n]] - geometry.length[:, [0]]) / NEAR
+            turned = (jacobian[:, n] - jacobian[:, 0]) / NEAR
+            yield -(turned * stretch + jacobian[:, 0] * (at_all * longer))
 
     def _other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
         """(n, D) of each log, per metre by which the band is longer in it."""

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from exogauge.criteria.criterion import Z95
 from exogauge.support.band_doubt import inverted
 from exogauge.support.band_fit import BandFit, downhill, starts
-from exogauge.support.band_model import Fitted, Reached, Setting, fit, lowest, residual, thinned
+from exogauge.support.band_model import SMALL, Fitted, Reached, Setting, Wear, fit, lowest, residual, thinned
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,12 @@ class Profiles:
         few, coarse = self._coarse
         layout = coarse.wear.layout
         begin = starts(layout, few.wires[: len(layout.natural_length)], coarse.wear.effects)
-        return downhill(few, [replace(coarse.wear, springs=each.springs) for each in begin])
+        return downhill(few, [replace(coarse.wear, springs=each.springs) for each in begin], self._small)
+
+    @cached_property
+    def _small(self) -> float:
+        """Share of the cost that moves an end by less than it is sought to: of its half, a two-thousandth."""
+        return max(SMALL, 1e-3 * Z95**2 / max(self._coarse[1].cost, SMALL))
 
     @cached_property
     def _rivals(self) -> list[tuple[Profiles, float]]:
@@ -93,10 +98,10 @@ class Profiles:
         costs that differ by them say little."""
         found, few = [(self, 0.0)], self._coarse[1].wear
         for each in self._elsewhere:
-            if np.allclose(each.wear.springs, few.springs, rtol=SKEWED):
+            if _alike(each.wear, few):
                 continue
             fitted = fit(self.setting, each.wear)
-            if any(np.allclose(fitted.wear.springs, one.fitted.wear.springs, rtol=SKEWED) for one, _ in found):
+            if any(_alike(fitted.wear, one.fitted.wear) for one, _ in found):
                 continue
             other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted))
             worse = max(self._against(fitted) ** 2 - other._against(self.fitted) ** 2, 0.0)
@@ -142,7 +147,7 @@ class Profiles:
                 [coarse.wear] if nearest is coarse.wear else [coarse.wear, nearest]
             )  # where bands go slack are dips
             at = {index: max(candidate - shift, SHORTEST)}
-            held = min((lowest(few, start, at) for start in starts), key=lambda reached: reached.cost)
+            held = min((lowest(few, start, at, self._small) for start in starts), key=lambda reached: reached.cost)
             reached[candidate] = held.wear
             return float(share * (held.cost - coarse.cost) - level)
 
@@ -155,6 +160,11 @@ class Profiles:
             _crossing(excess, first, -half, max(SHORTEST, first - reach * std)) or 0.0,
             _crossing(excess, last, half, last + reach * std) or np.inf,
         )
+
+
+def _alike(one: Wear, other: Wear) -> bool:
+    """Whether two searches have ended in the same place."""
+    return np.allclose(one.springs, other.springs, rtol=SKEWED)
 
 
 def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:

@@ -245,8 +245,8 @@ def fit(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -
     return _with_slopes(setting, lowest(setting, wear, held))
 
 
-def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -> Reached:
-    """Where `fit` ends, without the slopes there."""
+def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None, small: float = SMALL) -> Reached:
+    """Where `fit` ends, without the slopes there. small: share of the cost that is not worth another step."""
     held = held or {}
     theta = wear.theta.copy()
     for place, value in held.items():
@@ -256,9 +256,9 @@ def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None
     now = _reached(setting, wear.at(theta))
     for _ in range(STEPS):
         here, was = _with_slopes(setting, now), now.wear.theta
-        g = np.einsum("ndp,nd,nd->p", here.A, setting.weight, here.e) - _pulled(setting.belief, was)
+        g = (setting.weight * here.e).ravel() @ here.A.reshape(-1, len(was)) - _pulled(setting.belief, was)
         step = _steps(here.hessian, g, free, low - was, high - was)
-        if g @ step(DAMPINGS[0]) <= SMALL * max(now.cost, SMALL):  # what is to be gained
+        if g @ step(DAMPINGS[0]) <= small * max(now.cost, SMALL):  # what is to be gained
             break
         for damping in DAMPINGS:
             tried = _reached(setting, wear.at(np.clip(was + step(damping), low, high)))
@@ -267,7 +267,7 @@ def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None
         else:
             break
         gained, now = now.cost - tried.cost, tried
-        if gained <= SMALL * max(now.cost, SMALL):
+        if gained <= small * max(now.cost, SMALL):
             break
     return now
 
@@ -323,8 +323,8 @@ def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     springs = np.zeros((*logs.torque.shape, len(wear.springs)))
     stretched, pulling_at_all = stretches_and_taut(own_wires, wear.l_0)
     for b, wire in enumerate(own_wires):
-        springs[:, :, layout.stiffness[b]] -= wire.jacobian * stretched[:, [b]]
-        springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, [b]])
+        springs[:, :, layout.stiffness[b]] -= wire.jacobian * stretched[:, b, None]
+        springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, b, None])
     more = []
     pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
     for number, each in enumerate(wear.effects):

@@ -78,6 +78,11 @@ class Nuisances:
         return self._by_log(self.weight)
 
     @cached_property
+    def _root(self) -> Array:
+        """(N, D) √w"""
+        return np.sqrt(self.weight)
+
+    @cached_property
     def shares(self) -> Array:
         """(L, D) γ: how much of a mean error is taken for an offset."""
         told = self.total * self.logs.zero_std**2
@@ -102,7 +107,7 @@ class Nuisances:
     def information(self, A: Array) -> Array:
         """(P, P) Aᵀ w A⊥, as a sum of squares."""
         left, v = self._beside_added(A)
-        flat = (self.whitened(left) * np.sqrt(self.weight)[:, :, None]).reshape(-1, A.shape[2])
+        flat = (self.whitened(left) * self._root[:, :, None]).reshape(-1, A.shape[2])
         return np.asarray(flat.T @ flat + v.T @ v)
 
     def beside(self, e: Array) -> tuple[Array, float]:

@@ -7,7 +7,9 @@ r: torque that the model leaves unexplained without a device; u_k: k_T i, viscou
 m_k: what it misses in this motion as a share of u_k, the same in all repetitions, so that only what changes between
 them tells; o: a zero of this log. A drive warms and cools in first order, w_r(t) = (1 - exp(-t/T_r)) /
 (1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for each of R that span what
-motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign.
+motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign. A robot's motors warm in one
+session: of that variance c is of what all have in common, in units of s_k each, and 1 - c is each motor's own, so that
+those that a motion loads tell something of the others.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.identification.disturbances import DRIFTS, ZERO, drift_columns
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
@@ -39,7 +42,8 @@ IntArray = NDArray[np.intp]
 class Drift:
     """A motors, L logs, R courses, K drifts that are declared: `names`.
 
-    logs: name -> its row. course: (L, R) of each. beta: (A, K, R), root: (A, K R, K R) lower triangle of its doubt.
+    logs: name -> its row. course: (L, R) of each. beta: (A, K, R), root: (A, K R, K R) lower triangle of the doubt that
+    is each motor's own, common: (A, K R, K R) root of the doubt that all motors share.
     told: (A,) the logs without the device tell of this motor; moved, std: (A, K) share by which it gives more in the
     last log of the session than in the fitted ones, and its doubt.
     """
@@ -49,19 +53,25 @@ class Drift:
     course: Array
     beta: Array
     root: Array
+    common: Array
     told: BoolArray
 
     def share(self, log: Log) -> Array:
         """(A, K) by which each motor gave more than the model says, in a log."""
         return np.asarray(self.beta @ self.course[self.logs[log.name]])
 
-    def inputs(self, log: Log) -> Array:
-        """(A, K, K R) the same per standard deviation of each of A x K R inputs that all logs have in common."""
+    def inputs(self, log: Log) -> tuple[Array, Array]:
+        """(A, K, K R) the same per standard deviation of each of A x K R inputs that all logs have in common, and of
+        each of K R that all motors have in common, too."""
         return self._inputs(self.logs[log.name])
 
-    def _inputs(self, row: int) -> Array:
+    def _inputs(self, row: int) -> tuple[Array, Array]:
         A, K, R = self.beta.shape
-        return np.asarray(np.einsum("r,akrs->aks", self.course[row], self.root.reshape(A, K, R, K * R)))
+        own, common = (
+            np.asarray(np.einsum("r,akrs->aks", self.course[row], each.reshape(A, K, R, K * R)))
+            for each in (self.root, self.common)
+        )
+        return own, common
 
     @property
     def moved(self) -> Array:
@@ -69,7 +79,7 @@ class Drift:
 
     @property
     def std(self) -> Array:
-        return np.asarray(np.linalg.norm(self._inputs(-1), axis=2))
+        return np.asarray(np.linalg.norm(np.concatenate(self._inputs(-1), axis=2), axis=2))
 
     def without(self, model: RobotModel, balance: Balance) -> Balance:
         """Of motors that gave what this says."""
@@ -82,12 +92,15 @@ class Drift:
         self, model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray
     ) -> dict[str, NDArray[np.float32]]:
         """Drift -> (n, D, X) [N·m] that each of the common inputs adds to the torque per standard deviation; X: those
-        of the motors that move these joints. What several drifts have in common counts as the first one's."""
+        of the motors that move these joints, then those of all motors. What several drifts have in common counts as the
+        first one's."""
         C = model.robot.axes_from_joints[:, joints]
         moving = np.flatnonzero(C.any(axis=1))
         columns = drift_columns(model.equations, model.identified.xi, prepared, samples)
         given = np.stack([columns[name][:, moving] for name in self.names])
-        every = np.einsum("kna,ad,aks->ndas", given, C[moving], self.inputs(prepared.log)[moving], optimize=True)
+        own, common = (each[moving] for each in self.inputs(prepared.log))
+        each = np.einsum("kna,ad,aks->ndas", given, C[moving], own, optimize=True)
+        every = np.concatenate([each, np.einsum("kna,ad,aks->nds", given, C[moving], common)[:, :, None]], axis=2)
         parts = np.split(every.astype(np.float32), len(self.names), axis=3)
         return {name: part.reshape(len(samples), len(joints), -1) for name, part in zip(self.names, parts, strict=True)}
 
@@ -109,25 +122,22 @@ def find_drift(
     seen = [_Seen.of(model, balances[each.log.name]) for each in told]
     motions, places = [each.motion for each in told], [logs[each.log.name] for each in told]
     declared = np.stack(list(sizes.values()), axis=1)
-    (A, K), R = declared.shape, course.shape[1]
+    R = course.shape[1]
     asked = [list(DRIFTS).index(name) for name in sizes]
-    beta, root = np.zeros((A, K, R)), np.zeros((A, K * R, K * R))
-    root[:, range(K * R), range(K * R)] = np.repeat(declared, R, axis=1) / np.sqrt(R)
-    known = np.zeros(A, dtype=np.bool_)
-    for axis in range(A):
+    runs = list[Runs | None]()
+    for axis in range(len(declared)):
         use = [k for k, each in enumerate(seen) if np.isfinite(each.share[axis, asked]).any()]
         chosen = [k for k in use if sum(motions[j] == motions[k] for j in use) > 1]
-        if chosen:
-            runs = Runs(
-                course[[places[k] for k in chosen]],
-                [motions[k] for k in chosen],
-                np.stack([seen[k].share[axis, asked] for k in chosen]),
-                np.stack([seen[k].covariance[axis][np.ix_(asked, asked)] for k in chosen]),
-            )
-            missed = model.criteria.support.drift_missed
-            beta[axis], root[axis] = told_by(runs, declared[axis] / np.sqrt(R), missed)
-            known[axis] = True
-    return Drift(tuple(sizes), logs, course, beta, root, known)
+        own = Runs(
+            course[[places[k] for k in chosen]],
+            [motions[k] for k in chosen],
+            np.stack([seen[k].share[axis, asked] for k in chosen]),
+            np.stack([seen[k].covariance[axis][np.ix_(asked, asked)] for k in chosen]),
+        ) if chosen else None  # fmt: skip
+        runs.append(own)
+    sizes_of_courses = np.repeat(declared[:, :, None], R, axis=2) / np.sqrt(R)
+    beta, root, common = told_by(runs, sizes_of_courses, model.criteria.support.drift_missed)
+    return Drift(tuple(sizes), logs, course, beta, root, common, np.array([each is not None for each in runs]))
 
 
 def session_of(plain: Sequence[PlainLog], worn: Sequence[Log], started: Mapping[str, float]) -> Session | None:
@@ -153,32 +163,66 @@ class Runs:
     covariance: Array
 
 
-def told_by(runs: Runs, sizes: Array, missed: float) -> tuple[Array, Array]:
-    """(K, R) beta and (K R, K R) the root of its covariance. sizes: (K,) what beta is believed to be, missed: the same
-    of m. A drift whose repetitions scatter more than they say counts less (Birge)."""
-    K, R, names = runs.share.shape[1], runs.course.shape[1], list(dict.fromkeys(runs.motions))
-    M = np.array([[motion == name for name in names] for motion in runs.motions], dtype=np.float64)
-    A = np.concatenate([np.kron(np.eye(K), each)[None] for each in np.hstack([runs.course, M])])  # (n, K, K (R + M))
-    told = np.isfinite(runs.share)
-    which, kind = np.nonzero(told)
-    A, z = A[told], runs.share[told]
-    noise = np.where(which[:, None] == which, runs.covariance[which[:, None], kind[:, None], kind], 0.0)
-    beliefs = [np.concatenate([np.full(R, own), np.full(len(names), missed)]) for own in sizes]
-    size = np.concatenate(beliefs)  # none where a drift is declared to be none
-    scale = np.ones(K)
-    for _ in range(2):
-        S = noise * np.sqrt(np.outer(scale[kind], scale[kind]))
-        gain = np.linalg.solve((A * size**2) @ A.T + S, A * size**2).T
-        x = gain @ z
-        e = z - A @ x
-        for k in range(K):
-            own = kind == k
-            free = int(own.sum()) - len({runs.motions[each] for each in which[own]}) - 1
-            if free > 0:
-                scale[k] = max(1.0, float(np.sum(e[own] ** 2 / np.diag(noise)[own])) / free)
-    covariance = np.diag(size**2) - gain @ (A * size**2)
-    wanted = np.concatenate([k * (R + len(names)) + np.arange(R) for k in range(K)])
-    return x[wanted].reshape(K, R), _root(covariance[np.ix_(wanted, wanted)])
+def told_by(runs: Sequence[Runs | None], sizes: Array, missed: float) -> tuple[Array, Array, Array]:
+    """(A, K, R) beta, (A, K R, K R) the root of the covariance that is each motor's own, (A, K R, K R) of what they
+    have in common. runs: of each motor, None where they say nothing. sizes: (A, K, R) what beta is believed to be,
+    missed: the same of m."""
+    A, K, R = sizes.shape
+    flat, alike = sizes.reshape(A, K * R), DECLARED.motors_alike
+    own = [None if each is None else _Told.of(each, size, missed) for each, size in zip(runs, flat, strict=True)]
+    known = [each for each in own if each is not None]
+    about = np.eye(K * R) + sum((each.of_common.T @ np.linalg.solve(each.S, each.of_common) for each in known), 0.0)
+    pulled = sum((each.of_common.T @ np.linalg.solve(each.S, each.z) for each in known), np.zeros(K * R))
+    doubt = np.asarray(np.linalg.inv(about), dtype=np.float64)
+    u, of_u = doubt @ pulled, _root(doubt)
+    beta, root, common = np.zeros((A, K * R)), np.zeros((A, K * R, K * R)), np.zeros((A, K * R, K * R))
+    for motor, (size, each) in enumerate(zip(flat, own, strict=True)):
+        moved, left = np.diag(np.sqrt(alike) * size), np.diag((1.0 - alike) * size**2)
+        if each is not None:  # what its own runs say takes back what is believed of it
+            beta[motor] = each.gain @ each.z
+            moved, left = moved - each.gain @ each.of_common, left - each.gain @ each.own
+        beta[motor] += moved @ u
+        root[motor], common[motor] = _root(left), moved @ of_u
+    return beta.reshape(sizes.shape), root, common
+
+
+@final
+@dataclass(frozen=True)
+class _Told:
+    """What runs say of one motor, by n values. z: (n,); S: (n, n) their covariance, given what motors have in common.
+    of_common, own: (n, K R) their slope with that, and covariance with what beta has of its own. gain: (K R, n)."""
+
+    z: Array
+    S: Array
+    of_common: Array
+    own: Array
+    gain: Array
+
+    @staticmethod
+    def of(runs: Runs, size: Array, missed: float) -> _Told:
+        """A drift whose repetitions scatter more than they say counts less (Birge). size: (K R,)."""
+        K, names, alike = runs.share.shape[1], list(dict.fromkeys(runs.motions)), DECLARED.motors_alike
+        M = np.array([[motion == name for name in names] for motion in runs.motions], dtype=np.float64)
+        told = np.isfinite(runs.share)
+        of_beta, of_missed = (
+            np.concatenate([np.kron(np.eye(K), each)[None] for each in slopes])[told] * scale
+            for slopes, scale in ((runs.course, size), (M, missed))
+        )
+        which, kind = np.nonzero(told)
+        noise = np.where(which[:, None] == which, runs.covariance[which[:, None], kind[:, None], kind], 0.0)
+        z, believed = runs.share[told], of_missed @ of_missed.T
+        scale = np.ones(K)
+        for _ in range(2):
+            scaled = noise * np.sqrt(np.outer(scale[kind], scale[kind]))
+            e = scaled @ np.linalg.solve(of_beta @ of_beta.T + believed + scaled, z)
+            for k in range(K):
+                one = kind == k
+                free = int(one.sum()) - len({runs.motions[each] for each in which[one]}) - 1
+                if free > 0:
+                    scale[k] = max(1.0, float(np.sum(e[one] ** 2 / np.diag(noise)[one])) / free)
+        S = (1.0 - alike) * of_beta @ of_beta.T + believed + scaled
+        own = (1.0 - alike) * of_beta * size
+        return _Told(z, S, np.sqrt(alike) * of_beta, own, np.linalg.solve(S, own).T)
 
 
 def _root(covariance: Array) -> Array:
