@@ -88,7 +88,7 @@ class Supporting:
         0.5,
         "1",
         "of what is measured with a device on, what its bands leave beyond chance, from which on it counts as another "
-        "thing's: springs that harden, creep, rub or run 5 mm beside leave a fifth",
+        "thing's: then most of it is not theirs; less is for the cross-checks",
         judgement(RULES),
     )
     false_alarms: float = criterion(
