@@ -52,16 +52,15 @@ def within(
     """Of one approach: each log against all others, natural lengths in its first half against those in its second,
     bands that lengthen against the same that shorten (both by their lengths too, with one stiffness for both), their
     harder half of pulls against the softer, bands of a group against each other, what they leave against what there is
-    without. robot: as in `contributions`. sigma: (D,) [N·m]
-    there, of the first joints of the fit: of further ones it is not known, and what is left on them is not held
-    against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
+    without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it
+    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
     found: dict[int, list[CrossCheck]] = {place: [] for place in members}
     null = _null_of_fit(seen)
 
-    def layout_of(own: Sequence[int]) -> Iterable[int]:
+    def lengths_of(own: Sequence[int]) -> Iterable[int]:
         """Natural lengths of these bands, each once."""
         return dict.fromkeys(wear.layout.natural_length[own].tolist())
 
@@ -71,12 +70,12 @@ def within(
             parts = _between_samples(seen, robot, logs.log == number)
             for place, own in members.items():
                 said = ("repetitions", bands[own[0]].group, between)
-                found[place] += (*parts.springs(place, said, null), *parts.lengths(place, layout_of(own), said, null))
+                found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
         its_own = logs.log == number
         early = logs.time < 0.5 * (logs.time[its_own].min() + logs.time[its_own].max())
         halves = _between_samples(seen, robot, its_own & early, its_own & ~early)
         for place, own in members.items():
-            for length in layout_of(own):
+            for length in lengths_of(own):
                 band = wear.layout.names[length].partition("[")[2].rstrip("]")
                 between = (f"{band}, first half of {log.name}", "second half")
                 lengths = halves.springs(length, ("halves", bands[own[0]].group, between), null)
@@ -85,7 +84,7 @@ def within(
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
         parts = _between_samples(seen, robot, rate > 0.0)
-        found[place] += (*parts.springs(place, said, null), *parts.lengths(place, layout_of(own), said, null))
+        found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
         pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
         said = ("pulls", bands[own[0]].group, (HARD, SOFT))
         if np.any(pull > 0.0):
