@@ -9,8 +9,9 @@ import pinocchio as pin
 import pytest
 from tests.support.conftest import XI
 
-from exogauge.remarks import About
+from exogauge.remarks import About, Remark
 from exogauge.support.evaluate import estimate_support
+from exogauge.support.notes import in_doubt
 from exogauge.support.settings import PlainLog, WornLog
 
 pytestmark = pytest.mark.slow
@@ -79,3 +80,11 @@ def test_nor_is_what_bands_give_that_run_elsewhere(biped, plain, suit, wander):
     ))  # fmt: skip
     worn = [replace(each, device=front) for each in runs(biped, wander, suit)]
     assert told(biped, plain, worn) == {"worn5", "worn6"}
+
+
+@pytest.mark.parametrize(
+    ("about", "undecided"),
+    [(About.NOT_OF_BANDS, {"one"}), (About.LABELS_EXCHANGED, {"one", "other"}), (About.STIFFNESS_OPEN, set())],
+)
+def test_another_device_stays_decided_unless_its_partners_are_in_doubt_too(about, undecided):
+    assert in_doubt([Remark(about, ("log",), beside=("one",))], {"one", "other"}) == undecided

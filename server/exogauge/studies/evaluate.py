@@ -72,7 +72,7 @@ from exogauge.support.evaluate import (
     consequences,
     gather_support,
 )
-from exogauge.support.notes import NOT_THE_DEVICE
+from exogauge.support.notes import in_doubt
 from exogauge.support.result import SupportResult, Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -169,9 +169,10 @@ def _evaluate(
         told_of = found.by_stated_constants()
         if spoiled:
             told_of = told_of.with_nothing_decided()
-        if spoiled or (support is not None and any(each.about in NOT_THE_DEVICE for each in support.remarks)):
-            stiffness = tuple(each.with_nothing_decided() for each in stiffness)
-            support = support and support.with_nothing_decided()
+        devices = {each.device for each in stiffness} | {each.device for each in (support.joints if support else ())}
+        undecided = devices if spoiled else in_doubt(support.remarks if support else (), devices)
+        stiffness = tuple(each.with_nothing_decided() if each.device in undecided else each for each in stiffness)
+        support = support and support.with_nothing_decided(undecided)
         writing(0.87, Doing.WRITING_RESULTS)
         evaluation = Evaluation(
             name=study.name,

@@ -53,7 +53,8 @@ def within(
     bands that lengthen against the same that shorten (both by their lengths too, with one stiffness for both), their
     harder half of pulls against the softer, bands of a group against each other, what they leave against what there is
     without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it
-    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
+    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions
+    cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,7 @@ from exogauge.support.drift import Drift
 from exogauge.support.settings import PlainLog, WornLog
 from exogauge.support.zeros import Zeros
 
-NOT_THE_DEVICE = {  # no estimate is worth anything then
-    About.LABELS_EXCHANGED,
-    About.DEVICE_ON_WHERE_FITTED,
-    About.NOT_OF_BANDS,
-}
+MISLABELLED = {About.LABELS_EXCHANGED, About.DEVICE_ON_WHERE_FITTED}  # no estimate is worth anything then
 
 IntArray = NDArray[np.intp]
 
@@ -80,3 +76,11 @@ def _not_alike(limited: Sequence[Log], others: Sequence[Log]) -> list[Remark]:
         return []
     names, slow = (tuple(each.name for each in logs) for logs in (others, limited))
     return [Remark(About.STORED_UNLIKE, names, beside=slow)]
+
+
+def in_doubt(remarks: Sequence[Remark], devices: Collection[str]) -> frozenset[str]:
+    """Those of which nothing is decided: all where labels do not hold, as partners are not what they say either, else
+    those of which something else was measured."""
+    if any(each.about in MISLABELLED for each in remarks):
+        return frozenset(devices)
+    return frozenset(name for each in remarks if each.about == About.NOT_OF_BANDS for name in each.beside)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, final
 
@@ -186,6 +186,7 @@ class SupportResult:
     band_model: Mapping[str, Remark]
     remarks: tuple[Remark, ...]
 
-    def with_nothing_decided(self) -> SupportResult:
-        """The same, where no number of any joint counts as decided by the data."""
-        return replace(self, joints=tuple(each.with_nothing_decided() for each in self.joints))
+    def with_nothing_decided(self, devices: Collection[str]) -> SupportResult:
+        """The same, where no number of these devices counts as decided by the data."""
+        joints = (each.with_nothing_decided() if each.device in devices else each for each in self.joints)
+        return replace(self, joints=tuple(joints))

@@ -257,7 +257,7 @@ def test_what_the_doubt_of_peak_and_stiffness_is_made_of_stands_with_what_would_
 def test_no_peak_that_is_not_decided_is_told_or_drawn_as_if_it_was(
     support: SupportResult,
 ) -> None:
-    undecided = support.with_nothing_decided()
+    undecided = support.with_nothing_decided({each.device for each in support.joints})
     joint = strongest(undecided, "Normal suit")
     assert joint is not None
     assert support_sentence(joint) == "Normal suit: what it gives is not decided."

@@ -271,7 +271,7 @@ def test_an_evaluation_with_a_device_leaves_every_file_that_it_names(
 
 def test_what_is_not_decided_has_no_headline_and_no_end_to_its_doubt(support: SupportResult) -> None:
     """A fit that is spoiled, labels that are exchanged: peaks stood there with their doubt as if nothing was wrong."""
-    found, before = entry(support.with_nothing_decided()), entry(support)
+    found, before = entry(support.with_nothing_decided({each.device for each in support.joints})), entry(support)
     assert before["peak"] is not None
     assert [found[name] for name in ("peak", "mean", "integral")] == [None] * 3
     told = [found["approaches"][name] for name in ("A", "B", "paired", "prior")]
