@@ -281,11 +281,16 @@ def test_a_plan_stays_where_a_tighter_one_is_not_found_and_one_on_more_nodes_is_
     finer = asked.finer(USUAL.judged_hz).step
     assert steps[:4] == pytest.approx([4.0 * asked.step, asked.step, 4.0 * asked.step, 4.0 * finer])
     assert planned.rounds > 0
-    if lost == {3}:
-        assert planned.spline.step == given.step == finer < asked.step
+    alone = plan(robot, asked, careless)
+    first = judge(robot, alone.spline, asked.place[0], planned=alone)
+    assert planned.spline.step == given.step
+    assert judged.inside.min() >= first.inside.min() - 1e-6
+    if lost == {3}:  # which of the two is the better one a hundredth of a millimetre decides, and so the machine
+        assert finer < asked.step
+        assert given.step in (finer, asked.step)
         assert len(judged.broken) <= 1
     else:
-        assert planned.spline.step == given.step == asked.step
+        assert given.step == asked.step
         assert [line.split(":")[0] for line in judged.broken] == ["centre of pressure inside the soles"]
 
 
