@@ -208,6 +208,11 @@ FORMS: Mapping[About, Form] = {
         "another device look so. Believe nothing of the device until then.",
         each="{0:.3g} of {1:.3g} N·m in {name}",
     ),
+    About.WORN_WEIGHT: Form(
+        "With {beside} on, the feet bear {0:.2g} ± {1:.1g} kg more than without. It is the device's own weight, or a "
+        "load that these logs alone carry: the supporting torque holds what it does to joints, which no band gives, "
+        "and what is told of the bands rests on there being none.",
+    ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
     About.BANDS_IDENTIFIED: Form("the device file, and what it does not say as identified by approach {beside}"),
