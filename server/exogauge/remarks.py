@@ -41,6 +41,7 @@ class About(StrEnum):
     LOGS_LEFT_OUT = "logs_left_out"  # logs; by which their efforts are late, against their positions [s]
     LOGS_SPOILED = "logs_spoiled"  # logs that are left out; beside: what the doctor holds against them, what to do
     SPOILED_FIT = "spoiled_fit"  # logs that are fitted all the same, as no others are; beside: as above
+    LATE_FIT = "late_fit"  # fitted logs; -; channel and what is told of it
     DOCTOR_ERRORS = "doctor_errors"  # channels that the identification rests on
     NO_URDF_OF = "no_urdf_of"  # links
     # the supporting torque

@@ -141,6 +141,11 @@ FORMS: Mapping[About, Form] = {
         "What is fitted is spoiled: {names} ({file}). No other log is there to be fitted, so no effect is named and no "
         "number that rests on it counts as decided by the data. Mend that first: {worst}."
     ),
+    About.LATE_FIT: Form(
+        "Efforts of what is fitted are of other moments than positions: {names} ({file}). No `torque_delay` that "
+        "explains all of it is in the model, so no number that rests on it counts as decided by the data. Mend that "
+        "first: {worst}."
+    ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."
     ),
