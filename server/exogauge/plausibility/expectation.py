@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.prior import inertial_std
+from exogauge.identification.turns import way_of_axes
 from exogauge.plausibility.axis_fit import ALL_GAINS, AS_DESCRIBED, AxisFit, Likelihood, in_motion
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
@@ -115,9 +116,8 @@ class Expected:
 
 def sliding(robot: Robot, seen: Snapshot) -> NDArray[np.bool_]:
     """(N, A) moments in which an axis moves, and has gone on so far that friction is no spring any more."""
-    C = robot.axes_from_joints
-    way = np.where(C != 0.0, seen.way[:, None, :], np.inf).min(axis=2)  # of the joint that turned last
-    return np.asarray(in_motion(seen.dq @ C.T, seen.criteria) & (way >= seen.criteria.slides))
+    moving = in_motion(robot.on_axes(seen.dq), seen.criteria)
+    return np.asarray(moving & (way_of_axes(robot, seen.way) >= seen.criteria.slides))
 
 
 def _live(columns: Array) -> Array:
