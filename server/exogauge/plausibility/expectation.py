@@ -95,6 +95,11 @@ class Expected:
             self._any_motion = self.at(in_motion(self._velocity, self.seen.criteria))
         return self._any_motion
 
+    def between_turns(self) -> Expected:
+        """Without moments right before a turn too: a low-pass has friction turn before the joint does, so that efforts
+        would fit as well without the turn, were they later."""
+        return self.at(self.moving & _far_enough(self.robot, self.seen, self.seen.ahead))
+
     def at(self, moving: NDArray[np.bool_]) -> Expected:
         """The same, where these moments count: (N, A)."""
         other = copy(self)
@@ -116,8 +121,13 @@ class Expected:
 
 def sliding(robot: Robot, seen: Snapshot) -> NDArray[np.bool_]:
     """(N, A) moments in which an axis moves, and has gone on so far that friction is no spring any more."""
-    moving = in_motion(robot.on_axes(seen.dq), seen.criteria)
-    return np.asarray(moving & (way_of_axes(robot, seen.way) >= seen.criteria.slides))
+    moves = in_motion(robot.on_axes(seen.dq), seen.criteria)
+    return np.asarray(moves & _far_enough(robot, seen, seen.way))
+
+
+def _far_enough(robot: Robot, seen: Snapshot, way: Array) -> NDArray[np.bool_]:
+    """way: (N, J) of joints. (N, A): whether all joints of an axis go so far."""
+    return way_of_axes(robot, way) >= seen.criteria.slides
 
 
 def _live(columns: Array) -> Array:

@@ -24,7 +24,7 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 # of a snapshot, along the first axis
-MOMENTS = ("q", "dq", "ddq", "way", "held", "acc", "gyro", "gyro_dot", "effort", "wrenches")
+MOMENTS = ("q", "dq", "ddq", "way", "ahead", "held", "acc", "gyro", "gyro_dot", "effort", "wrenches")
 
 
 @final
@@ -32,7 +32,7 @@ MOMENTS = ("q", "dq", "ddq", "way", "held", "acc", "gyro", "gyro_dot", "effort",
 class Snapshot:
     """N moments of one log, low-passed; J joints, S contact sensors.
 
-    q, dq, ddq: (N, J). way: (N, J) that a joint went since it last turned.
+    q, dq, ddq: (N, J). way, ahead: (N, J) that a joint went since it last turned, and goes until it turns again.
     held: (N, J) bool, its position stays at one number for long.
     acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
@@ -49,6 +49,7 @@ class Snapshot:
     dq: Array
     ddq: Array
     way: Array
+    ahead: Array
     held: NDArray[np.bool_]
     acc: Array
     gyro: Array
@@ -121,6 +122,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         dq=dq[at],
         ddq=ddq[at],
         way=way_since_turn(q, dq)[at],
+        ahead=way_since_turn(q[::-1], dq[::-1])[::-1][at],
         held=held[at],
         acc=acc,
         gyro=gyro,
