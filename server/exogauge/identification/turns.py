@@ -154,4 +154,4 @@ def way_since_turn(q: Array, dq: Array) -> Array:
 
 def way_of_axes(robot: Robot, way: Array) -> Array:
     """(T, A) of (T, J): that of the joint that turned last, among those that an axis moves."""
-    return np.asarray(np.where(robot.axes_from_joints != 0.0, way[:, None, :], np.inf).min(axis=2))
+    return np.stack([way[:, moved].min(axis=1) for moved in robot.axes_from_joints != 0.0], axis=1)
