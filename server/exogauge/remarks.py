@@ -27,6 +27,7 @@ class About(StrEnum):
     STICKS_UNEQUALLY = "sticks_unequally"  # joints
     LITTLE_STEADY = "little_steady"  # joints; steady and moving [s]; -; share that is asked for
     ONE_DIRECTION = "one_direction"  # joints
+    HARDLY_SLIDES = "hardly_slides"  # joints; share of steady motion beyond; its unit; way since a turn [rad or m]
     CREEPING = "creeping"  # joints; speed below which; its unit beside
     FEET_AGAINST_MASS = "feet_against_mass"  # -; -; -; mass by the logs, its doubt, stated, its doubt [kg]
     NEGATIVE_MASS = "negative_mass"  # links; mass and its doubt [kg]

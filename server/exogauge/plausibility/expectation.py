@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.prior import inertial_std
+from exogauge.identification.turns import way_of_axes
 from exogauge.plausibility.axis_fit import ALL_GAINS, AS_DESCRIBED, AxisFit, Likelihood, in_motion
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
@@ -120,14 +121,13 @@ class Expected:
 
 def sliding(robot: Robot, seen: Snapshot) -> NDArray[np.bool_]:
     """(N, A) moments in which an axis moves, and has gone on so far that friction is no spring any more."""
-    moves = in_motion(seen.dq @ robot.axes_from_joints.T, seen.criteria)
+    moves = in_motion(robot.on_axes(seen.dq), seen.criteria)
     return np.asarray(moves & _far_enough(robot, seen, seen.way))
 
 
 def _far_enough(robot: Robot, seen: Snapshot, way: Array) -> NDArray[np.bool_]:
     """way: (N, J) of joints. (N, A): whether all joints of an axis go so far."""
-    joints = robot.axes_from_joints != 0.0
-    return np.asarray(np.where(joints, way[:, None, :], np.inf).min(axis=2) >= seen.criteria.slides)
+    return way_of_axes(robot, way) >= seen.criteria.slides
 
 
 def _live(columns: Array) -> Array:

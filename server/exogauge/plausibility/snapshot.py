@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE, base_motion, needed_channels, wrench_channels
 from exogauge.identification.prior import joint_prior
+from exogauge.identification.turns import way_since_turn
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
@@ -149,13 +150,6 @@ def held_positions(q: Array, share: float) -> NDArray[np.bool_]:
         for start, length in zip(starts, lengths, strict=True):
             own[start : start + length + 1] |= length >= share * (len(values) - 1)
     return held
-
-
-def way_since_turn(q: Array, dq: Array) -> Array:
-    """(T, J) of positions and velocities, from the first sample on."""
-    turns = np.diff(dq > 0.0, axis=0, prepend=dq[:1] > 0.0)
-    at = np.maximum.accumulate(np.where(turns, np.arange(len(q))[:, None], 0), axis=0)
-    return np.abs(q - np.take_along_axis(q, at, axis=0))
 
 
 def _shifts(latest: int, settle: int, most: int) -> NDArray[np.intp]:

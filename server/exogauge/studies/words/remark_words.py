@@ -84,6 +84,11 @@ FORMS: Mapping[About, Form] = {
         each="{name} ({0:.1f} of {1:.1f} s)",
     ),
     About.ONE_DIRECTION: Form("Steady in one direction only: {names}. Coulomb friction and offset look alike there."),
+    About.HARDLY_SLIDES: Form(
+        "Hardly further than {0:.2g} {beside} from one turn to the next go {names}. There friction is a gear that "
+        "gives way, not Coulomb's: no parameter of these joints is taken for identified. Let them swing further.",
+        each="{name} (beyond in {0:.0%} of its steady motion)",
+    ),
     About.CREEPING: Form(
         "Friction turns round over a span of speeds, not at once, while these joints creep: {names}. What they do "
         "there is not taken for steady motion: it is neither fitted nor judged.",
