@@ -27,6 +27,7 @@ class About(StrEnum):
     STICKS_UNEQUALLY = "sticks_unequally"  # joints
     LITTLE_STEADY = "little_steady"  # joints; steady and moving [s]; -; share that is asked for
     ONE_DIRECTION = "one_direction"  # joints
+    HARDLY_SLIDES = "hardly_slides"  # joints; share of steady motion beyond; its unit; way since a turn [rad or m]
     CREEPING = "creeping"  # joints; speed below which; its unit beside
     FEET_AGAINST_MASS = "feet_against_mass"  # -; -; -; mass by the logs, its doubt, stated, its doubt [kg]
     NEGATIVE_MASS = "negative_mass"  # links; mass and its doubt [kg]
@@ -41,6 +42,7 @@ class About(StrEnum):
     LOGS_LEFT_OUT = "logs_left_out"  # logs; by which their efforts are late, against their positions [s]
     LOGS_SPOILED = "logs_spoiled"  # logs that are left out; beside: what the doctor holds against them, what to do
     SPOILED_FIT = "spoiled_fit"  # logs that are fitted all the same, as no others are; beside: as above
+    LATE_FIT = "late_fit"  # fitted logs; -; channel and what is told of it
     DOCTOR_ERRORS = "doctor_errors"  # channels that the identification rests on
     NO_URDF_OF = "no_urdf_of"  # links
     # the supporting torque
@@ -57,6 +59,7 @@ class About(StrEnum):
     DEVICE_OFF = "device_off"  # logs that say with it; -; device
     DEVICE_ON_WHERE_FITTED = "device_on_where_fitted"  # logs without it; -; device
     NOT_OF_BANDS = "not_of_bands"  # logs; what its bands leave, what is measured [N·m]; device
+    WORN_WEIGHT = "worn_weight"  # -; -; device; what feet bear beyond logs without it, its doubt [kg], its weight [N]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach

@@ -105,7 +105,7 @@ def weighed(robot):
 @pytest.fixture(scope="session")
 def record():
     """(seed, hidden) -> a log. Six waves per joint, so that each turns often, fast and slow; `still` never moves.
-    encoder: std of a position's noise [rad]."""
+    encoder: std of a position's noise [rad]. creeps: moves by a fortieth of what it would."""
 
     def make(
         seed: int,
@@ -115,6 +115,7 @@ def record():
         noise_seed: int | None = None,
         still: int | None = None,
         encoder: float = 1e-5,
+        creeps: int | None = None,
     ) -> Log:
         rng = np.random.default_rng(seed)
         t = np.arange(0.0, seconds, 1.0 / RATE)
@@ -122,6 +123,8 @@ def record():
         size, phase = rng.uniform(0.1, 0.3, size=(6, 3)), rng.uniform(0.0, 6.28, size=(6, 3))
         if still is not None:
             size[:, still] = 0.0
+        if creeps is not None:
+            size[:, creeps] /= 40.0
         angle = t[:, None, None] * omega + phase
         q, v = np.sum(size * np.sin(angle), axis=1), np.sum(size * omega * np.cos(angle), axis=1)
         load = inverse_dynamics(q, v, -np.sum(size * omega**2 * np.sin(angle), axis=1))

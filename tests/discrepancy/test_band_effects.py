@@ -313,7 +313,7 @@ def named(found):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("approach", ["A", "B"])
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(each, marks=pytest.mark.thorough) for each in (2, 3))])
 def test_bands_as_described_are_left_alone(trunk, seed, approach):
     found = search(trunk, None, seed, approach)
     assert found.verdict == "none"
@@ -427,8 +427,8 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
 
 @pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
-    (finding,) = search(trunk, ("left", "band_via_friction")).findings
-    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+    (finding,) = search(trunk, ("left", "band_hardening")).findings
+    assert named(search(trunk, ("left", "band_hardening"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
@@ -530,7 +530,7 @@ def without_the_last_joint(seen):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("approach", ["A", "B"])
+@pytest.mark.parametrize("approach", [pytest.param("A", marks=pytest.mark.thorough), "B"])
 def test_bands_are_fitted_again_beside_what_is_named_where_further_joints_were_looked_at(trunk, approach):
     """As on every humanoid: joints that no band crosses move, too."""
     seen, beyond = without_the_last_joint(gathered(trunk, ("left", "band_hardening"), 1))

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from tests.discrepancy.conftest import FRICTION
 
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
@@ -99,6 +100,18 @@ def test_friction_that_is_another_in_each_log_has_no_name(robot, record):
               and each.place.name == "j2"]  # fmt: skip
     assert why.why == Why.ANOTHER_IN_EACH_LOG
     assert 0.5 < why.value < 0.9
+
+
+def test_soft_friction_of_a_joint_that_creeps_in_later_logs_is_no_shift_of_its_friction(robot, record):
+    """Where it does not creep its friction is that of the sign; which log it is does not matter."""
+
+    def soft(m):
+        return FRICTION["tau_c"] * (np.tanh(m.v / 0.02) - np.sign(m.v)) * (np.arange(3) == 1)
+
+    logs = [record(seed, soft, creeps=1 if seed > 3 else None) for seed in (1, 2, 3, 9, 10)]
+    recordings = [Recording(log, held_out=number > 1) for number, log in enumerate(logs)]
+    found = find_missing_effects(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS)
+    assert "friction_shift" not in {each.effect for each in found.discrepancy.findings}
 
 
 def test_friction_that_shifts_with_the_only_held_out_log_is_named_once_that_log_is_fitted(searched):

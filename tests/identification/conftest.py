@@ -123,7 +123,7 @@ def fourier(rng, t, width, fastest):
 
 @pytest.fixture
 def make_log():
-    def make(truth, seed, seconds=30.0, noise=0.0, pause=True, fastest=0.8):
+    def make(truth, seed, seconds=30.0, noise=0.0, pause=True, fastest=0.8, swing=1.0):
         rng = np.random.default_rng(seed)
         robot, J = truth.robot, len(truth.robot.joints)
         t = np.arange(0, seconds, 1 / RATE)
@@ -133,7 +133,7 @@ def make_log():
                             for c in (seconds * 0.3, seconds * 0.7))  # fmt: skip
             clock = np.concatenate([[0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) / RATE)])
             surge = np.gradient(speed, 1 / RATE)
-        q, dq_s, ddq_s = fourier(rng, clock, J, fastest)
+        q, dq_s, ddq_s = (swing * each for each in fourier(rng, clock, J, fastest))
         dq, ddq = dq_s * speed[:, None], ddq_s * speed[:, None] ** 2 + dq_s * surge[:, None]
         floating = robot.floating
         model = pin.buildModelFromXML(chain_urdf(J).decode(), *([pin.JointModelFreeFlyer()] if floating else []))

@@ -85,6 +85,15 @@ def test_a_posture_held_at_the_largest_current_is_not_taken_for_clipping(step, n
     assert "saturated" not in {rule for rule, _ in doubts(time, held, CLOCK)}
 
 
+@pytest.mark.parametrize("decimals", [6, 7, 12])
+def test_steps_of_an_encoder_that_were_rounded_are_no_values_that_are_held(decimals):
+    time, step = np.arange(SAMPLES) / RATE, 2 * np.pi / 2**17
+    slow = -1.7 + 0.4 * step * RATE * np.sin(2.0 * np.pi * 0.25 * time) / (2.0 * np.pi * 0.25)
+    slow += 0.4 * step * np.random.default_rng(0).standard_normal(SAMPLES)
+    channels = {"q.knee": np.round(np.round(slow / step) * step, decimals)}
+    assert "held" not in {rule for rule, _ in doubts(time, channels, CLOCK)}
+
+
 def clip(channels: Channels) -> None:
     channels["i.knee"] = np.clip(channels["i.knee"], -3.0, 3.0)
 

@@ -47,6 +47,21 @@ def test_a_delay_that_all_joints_share_is_one_warning_with_its_milliseconds(
     assert ("late" in finding.detail) == (seconds > 0.0)
 
 
+@pytest.mark.slow
+def test_friction_that_the_low_pass_turns_before_its_joint_hides_no_delay(made: tuple[Robot, Logs]) -> None:
+    """Right before a turn efforts fit as if they were later: moments there told the joints not to be late."""
+    robot, logs = made
+    (finding,) = said(robot, [late(_rubbing(each, 10.0), 0.03) for each in logs])
+    assert finding.rule == "effort_delay"
+    assert finding.value == pytest.approx(0.03, abs=0.01)
+
+
+def _rubbing(columns: dict[str, np.ndarray], amperes: float) -> dict[str, np.ndarray]:
+    speeds = {name: np.gradient(columns[f"q.{name}"], columns["t"]) for name in JOINTS}
+    smooth = {name: np.convolve(speed, np.ones(9) / 9.0, "same") for name, speed in speeds.items()}
+    return columns | {f"i.{name}": columns[f"i.{name}"] + amperes * np.tanh(smooth[name] / 0.012) for name in JOINTS}
+
+
 def test_of_one_late_joint_no_other_is_told(made: tuple[Robot, Logs]) -> None:
     """What a joint gains alone has to be as sure as what all gain together: that takes a longer delay."""
     robot, logs = made

@@ -25,7 +25,8 @@ def some_moments(count: int) -> Snapshot:
         return rng.normal(size=(count, *shape))
 
     return Snapshot(
-        log="a", q=drawn(J), dq=drawn(J), ddq=drawn(J), way=np.ones((count, J)), held=np.zeros((count, J), dtype=bool),
+        log="a", q=drawn(J), dq=drawn(J), ddq=drawn(J), way=np.ones((count, J)),
+        ahead=np.ones((count, J)), held=np.zeros((count, J), dtype=bool),
         acc=drawn(3), gyro=drawn(3), gyro_dot=drawn(3), effort=drawn(J), late=drawn(J)[None], lags=np.zeros(1),
         late_imu=np.stack([drawn(3)] * 3)[None], wrenches=50.0 * drawn(1, 6), late_wrenches=drawn(1, 6)[None],
         alive=np.ones(J, dtype=bool), zeros=np.zeros(J),

@@ -178,3 +178,21 @@ def test_time_in_which_a_sensor_is_dead_is_left_out_and_the_rest_is_as_good_as_e
         for constant in ("k_T", "tau_c", "k_d"):
             size = abs(now[constant]["value"] - then[constant]["value"])
             assert size < 3.0 * float(np.hypot(now[constant]["std"], then[constant]["std"])), (then["joint"], constant)
+
+
+def test_where_efforts_are_late_and_no_delay_is_in_the_model_nothing_counts_as_decided(tmp_path: Path) -> None:
+    """Masses, friction and rotor inertia make up for the delay, each with a small doubt."""
+    logs = {name: late(columns, 0.06) for name, columns in recorded().items()}
+    study = write_study(tmp_path / "study", False, logs, steps="[identify]")
+    evaluate(study, tmp_path / "out", lambda *_: None)
+    found = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert {each["rule"] for each in found["doctor"] if each["severity"] == "warning"} == {"effort_delay"}
+    (told,) = [each for each in found["notices"] if each["code"] == "late_fit"]
+    assert "60 ms late" in told["sentence"]
+    assert not any(each["identifiable"] for each in found["identification"]["parameters"])
+
+
+def late(columns: Columns, seconds: float) -> Columns:
+    t = columns["t"]
+    currents = {name: np.interp(t - seconds, t, columns[name]) for name in columns if name.startswith("i.")}
+    return columns | currents

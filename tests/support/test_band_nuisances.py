@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy
 from tests.band_problem import Motion, Way
+from tests.draws import drawn, met_in
 
 from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
@@ -154,19 +155,23 @@ def test_a_constant_on_one_joint_of_one_log_moves_the_stiffness_by_less_than_its
 
 
 @pytest.mark.slow
-def test_intervals_hold_the_truth_where_a_log_has_a_zero_of_its_own():
-    """400 draws of one log: 92 to 98 of a hundred with offsets, too few without."""
-    with_offsets, plain = deviations(400, 1)
+@drawn(100, 400)
+def test_intervals_hold_the_truth_where_a_log_has_a_zero_of_its_own(draws):
+    """Of one log: too few without offsets."""
+    with_offsets, plain = deviations(draws, 1)
     held, before = (np.mean(np.abs(each[0]) < 1.96) for each in (with_offsets, plain))
-    assert 0.92 <= held <= 0.98, held
-    assert before < 0.90, before
+    least, most = met_in(0.95, draws)
+    assert least <= held <= most, held
+    assert before < least, before
 
 
 @pytest.mark.slow
-def test_of_several_logs_offsets_leave_a_third_of_the_doubt_and_hold_the_truth():
+@drawn(50, 200)
+def test_of_several_logs_offsets_leave_a_third_of_the_doubt_and_hold_the_truth(draws):
     """Without them the differing zeros are seen as scatter: an honest doubt of a poor estimate."""
-    with_offsets, plain = deviations(200, LOGS)
-    assert 0.92 <= np.mean(np.abs(with_offsets[0]) < 1.96) <= 0.98
+    with_offsets, plain = deviations(draws, LOGS)
+    least, most = met_in(0.95, draws)
+    assert least <= np.mean(np.abs(with_offsets[0]) < 1.96) <= most
     assert np.mean(with_offsets[1]) < np.mean(plain[1]) / 3.0
 
 

@@ -97,3 +97,15 @@ def test_a_single_run_is_read_where_the_band_model_is_largest():
     line[100:140] += 4.0
     (place,) = peak_places([time], same_moments([time], [0.0]), [line], [model], [np.ones_like(time, dtype=bool)], 0.2)
     assert place[1] == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("noise", "read_at"), [(0.1, 2.0), (2.0, 5.0)])
+def test_a_single_run_that_is_surely_larger_elsewhere_is_read_there(noise: float, read_at: float):
+    """A band that rubs pulls most where it shortens, not where it is longest."""
+    time = np.arange(0.0, 10.0, 0.01)
+    model, line = np.exp(-((time - 5.0) ** 2)), np.exp(-((time - 5.0) ** 2)) + 2.0 * np.exp(-((time - 2.0) ** 2))
+    (place,) = peak_places(
+        [time], same_moments([time], [0.0]), [line], [model], [np.ones_like(time, dtype=bool)], 0.2,
+        [np.full_like(time, noise)],
+    )  # fmt: skip
+    assert time[place[0]] == pytest.approx(read_at, abs=0.02)

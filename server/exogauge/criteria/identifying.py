@@ -110,6 +110,13 @@ class Identifying:
         0.01, "1", "of a log in one direction: an axis that moves for less has no say in the bandwidth", judgement(HERE)
     )
     moved_s: float = criterion(1.0, "s", "a joint that moves for less was not meant to", judgement(HERE))
+    least_sliding: float = criterion(
+        0.5,
+        "1",
+        "of a joint's steady motion in which it has gone on as far as `comparison.slides` since its last turn: with "
+        "less, its friction is mostly a gear that gives way",
+        judgement("docs/measured/humanoid-of-other-code.md: a wrist that moves by 6 mrad to either side"),
+    )
     most_steady: float = criterion(
         0.5, "1", "of all axes' motion that has to be steady at a bandwidth", judgement(HERE)
     )

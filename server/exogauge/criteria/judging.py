@@ -153,6 +153,12 @@ class Judging:
         "left at a place with all that was named there: as much as the noise, by their squares",
         derived("the root of 1 + 1"),
     )
+    nearly_all_speeds: float = criterion(
+        0.95,
+        "1",
+        "of the moments of logs that have what begins with one: no faster, the others are asked whether they do not",
+        judgement(MISSING),
+    )
     of_its_law: float = criterion(
         0.1,
         "1",

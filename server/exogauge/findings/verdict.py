@@ -157,6 +157,9 @@ class Why(StrEnum):
     PARTIAL = "partial"  # share of the excess that it explains, and noise floors that are left; of: channel
     OTHER_LAW = "other_law"  # as partial
     ANOTHER_IN_EACH_LOG = "another_in_each_log"  # share that a step takes of what changes from log to log
+    SLOWER_ALONE = (
+        "slower_alone"  # standard errors by which earlier logs, at the speeds of the later ones, contradict it
+    )
     AT_ITS_EDGE = "at_its_edge"  # noise floors that are left; of: channel
     NOT_NEEDED = "not_needed"  # of: effects with which it is not needed
     ALIKE = "alike"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -36,7 +36,14 @@ from exogauge.identification.result import ChannelFit, Channels, Identification,
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
-from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, seconds, steady_shares
+from exogauge.identification.steady import (
+    hardly_sliding,
+    remarks_on_creeping,
+    remarks_on_sliding,
+    remarks_on_steady,
+    seconds,
+    steady_shares,
+)
 from exogauge.identification.total_mass import remarks_on_total_mass, total_mass
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.type_b import TypeB, lifted_by_source
@@ -80,7 +87,8 @@ def identify(
     known_floors = extension.noise_floors if extension else {}
     predictions, validation, steady = _validate(made, recordings, (identified, before), known_floors, progress)
     condition, rank = solution.solved.condition_and_rank()
-    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
+    hardly = hardly_sliding(equations.robot, fitted, settings.criteria)
+    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, hardly, factor.known)
     feet = settings.criteria.identifying.feet_against_mass
     weighed = total_mass(equations.robot, solution.prior, standard, covariance, feet)
     parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
@@ -92,7 +100,7 @@ def identify(
         phi=identified.phi,
         joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
         parameters=parameters,
-        unidentifiable=_unidentifiable(equations, solution, standard, covariance, factor),
+        unidentifiable=_unidentifiable(equations, solution, standard, covariance, hardly, factor),
         validation=validation,
         predictions=predictions,
         consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
@@ -105,6 +113,7 @@ def identify(
         velocity_threshold=made.at_rest.threshold,
         remarks=(
             *_remarks(equations.robot, names, settings, solution, factor, notes, steady),
+            *remarks_on_sliding(hardly, settings.criteria, equations.robot.tree.sliding),
             *remarks_on_total_mass(weighed),
         ),
         model=model,
@@ -280,12 +289,17 @@ def _cutoff(
 
 
 def _unidentifiable(
-    equations: Equations, solution: Solution, standard: Array, covariance: Array, factor: CommonFactor
+    equations: Equations,
+    solution: Solution,
+    standard: Array,
+    covariance: Array,
+    hardly: Collection[str],
+    factor: CommonFactor,
 ) -> tuple[str, ...]:
     """Names of what would stay open if the common factor were known; what was weighed is not asked for."""
     gains = solution.gains.columns + (len(standard) - equations.size)
     but_for_scale = covariance if factor.known else given_the_scale(covariance, gains, standard)
-    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, True)
+    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, hardly, True)
     return tuple(each.name for each in decided if not each.identifiable and not each.name.startswith(PREFIX))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,12 +20,19 @@ Array = NDArray[np.float64]
 
 
 def describe(
-    equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking, known_scale: bool
+    equations: Equations,
+    prior: Prior,
+    standard: Array,
+    covariance: Array,
+    sticking: Sticking,
+    hardly_sliding: Collection[str],
+    known_scale: bool,
 ) -> tuple[Parameter, ...]:
     """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth.
 
     known_scale: without it the data identify nothing by itself.
     sticking: static friction has its std from there, and is not identifiable where it is only a lower bound.
+    hardly_sliding: joints whose friction is that of a gear that gives way, so that nothing of theirs is identifiable.
     """
     robot, effects = equations.robot, equations.effects
     names = list(parameter_names(robot.tree))
@@ -41,7 +48,8 @@ def describe(
         std[i] = min(std[i], sticking.std.get(name, np.inf))
     decided = equations.criteria.identifying.decided
     doubtful = {f"tau_s[{joint}]" for joint in sticking.lower_bounds}
-    unmeasured = {f"[{joint.name}]" for joint in robot.joints if joint.actuation == "none"}
+    open_joints = {*hardly_sliding, *(joint.name for joint in robot.joints if joint.actuation == "none")}
+    open_ends = {f"[{joint}]" for joint in open_joints}
     single = [
         Parameter(
             name=name,
@@ -55,7 +63,7 @@ def describe(
                 and prior.std[i] > 0.0
                 and std[i] <= decided * prior.std[i]
                 and name not in doubtful
-                and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in unmeasured))
+                and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in open_ends))
             ),
         )
         for i, name in enumerate(names)

@@ -7,10 +7,13 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.criteria.identifying import Identifying
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import SteadyShare
+from exogauge.identification.turns import way_of_axes, way_since_turn
 from exogauge.remarks import About, Remark
+from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
@@ -50,6 +53,28 @@ def remarks_on_creeping(creeping: Mapping[str, float], sliding: Collection[str])
     speeds = tuple((speed,) for speed in creeping.values())
     units = tuple("m/s" if joint in sliding else "rad/s" for joint in creeping)
     return [Remark(About.CREEPING, tuple(creeping), speeds, units)] if creeping else []
+
+
+def hardly_sliding(robot: Robot, fitted: Sequence[Prepared], criteria: Criteria) -> Mapping[str, float]:
+    """Joints -> share of their steady motion in which they have gone on far enough since their last turn to slide.
+
+    Before, friction is a gear that gives way: its parameters, and what is told from it, are of another law.
+    """
+    steady, slid = np.zeros(len(robot.joints)), np.zeros(len(robot.joints))
+    for log in fitted:
+        way = way_of_axes(robot, way_since_turn(log.motion.q, log.motion.dq))
+        far = log.steady & (way >= criteria.comparison.slides)
+        steady, slid = steady + log.steady.sum(axis=0) / log.log.rate_hz, slid + far.sum(axis=0) / log.log.rate_hz
+    share = slid / np.maximum(steady, criteria.identifying.moved_s)
+    moved = (steady >= criteria.identifying.moved_s) & (share < criteria.identifying.least_sliding)
+    return {joint.name: float(share[a]) for a, joint in enumerate(robot.joints) if moved[a]}
+
+
+def remarks_on_sliding(hardly: Mapping[str, float], criteria: Criteria, sliding: Collection[str]) -> list[Remark]:
+    """hardly: of `hardly_sliding`. sliding: joints whose position is in m."""
+    shares = tuple((share,) for share in hardly.values())
+    way, unit = criteria.comparison.slides, "m" if set(hardly) <= set(sliding) else "rad"
+    return [Remark(About.HARDLY_SLIDES, tuple(hardly), shares, (unit,), (way,))] if hardly else []
 
 
 def keeps_most(log: Prepared, criteria: Identifying) -> bool:

@@ -143,3 +143,15 @@ def directions(velocity: Array, threshold: Array, shortest: int) -> Array:
             if stop - start >= shortest:
                 direction[start:stop, axis] = 0.0
     return direction
+
+
+def way_since_turn(q: Array, dq: Array) -> Array:
+    """(T, J) of positions and velocities, from the first sample on."""
+    turns = np.diff(dq > 0.0, axis=0, prepend=dq[:1] > 0.0)
+    at = np.maximum.accumulate(np.where(turns, np.arange(len(q))[:, None], 0), axis=0)
+    return np.abs(q - np.take_along_axis(q, at, axis=0))
+
+
+def way_of_axes(robot: Robot, way: Array) -> Array:
+    """(T, A) of (T, J): that of the joint that turned last, among those that an axis moves."""
+    return np.stack([way[:, moved].min(axis=1) for moved in robot.axes_from_joints != 0.0], axis=1)

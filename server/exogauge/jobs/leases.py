@@ -90,7 +90,8 @@ class Lease:
         while not self._ended.wait(self.ttl_s / 3):
             try:
                 if not self.beat():
-                    lost()
+                    if not self._ended.is_set():  # else it was given back while this beat waited its turn
+                        lost()
                     return
                 now = time.monotonic()
                 if now - last_good > self.ttl_s:

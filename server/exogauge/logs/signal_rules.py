@@ -116,8 +116,9 @@ def held(log: Log, expected: Expectation) -> Iterator[Finding]:
             every = int(np.median(apart))
             if every <= 1 or np.mean(np.abs(apart - every) <= 1) <= 1.0 - expected.criteria.alive:
                 continue
-            usual = float(np.median(np.abs(np.diff(values)[changes])))
-            if usual > expected.criteria.still_steps * (quantisation_step(values) or 0.0):
+            sizes = np.abs(np.diff(values)[changes])
+            step = max(quantisation_step(values) or 0.0, float(sizes.min()))  # decimals may hide an encoder's steps
+            if float(np.median(sizes)) > expected.criteria.still_steps * step:
                 told.setdefault((kind_of(channel), every), []).append((channel, int(changes[0]) + 2))
     for (kind, every), channels in told.items():
         name = channels[0][0] if len(channels) == 1 else f"{kind}.*"

@@ -66,11 +66,12 @@ def _of_all_logs(expected: Sequence[Expected]) -> Iterator[Delay]:
 
 
 def _gains_sliding(expected: Sequence[Expected], found: Delay) -> bool:
-    """Whether joints that slide gain by it as well: friction that builds up after a turn comes late by itself."""
+    """Whether joints that slide ask for it as surely: friction that builds up after a turn comes late by itself."""
     lags = min((each.seen.lags for each in expected), key=len)
+    expected = [each.between_turns() for each in expected]
     telling = [axis for axis in found.axes if any(each.tells(axis) for each in expected)]
     gain = np.sum([each.gain for each in _profiles(expected, lags, telling)], axis=0)
-    return bool(telling) and float(np.interp(found.seconds, lags, gain)) > 0.0
+    return bool(telling) and float(np.interp(found.seconds, lags, gain)) > expected[0].seen.criteria.delay
 
 
 def _believed(found: Delay, criteria: Comparing) -> bool:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.prior import inertial_std
+from exogauge.identification.turns import way_of_axes
 from exogauge.plausibility.axis_fit import ALL_GAINS, AS_DESCRIBED, AxisFit, Likelihood, in_motion
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
@@ -94,6 +95,11 @@ class Expected:
             self._any_motion = self.at(in_motion(self._velocity, self.seen.criteria))
         return self._any_motion
 
+    def between_turns(self) -> Expected:
+        """Without moments right before a turn too: a low-pass has friction turn before the joint does, so that efforts
+        would fit as well without the turn, were they later."""
+        return self.at(self.moving & _far_enough(self.robot, self.seen, self.seen.ahead))
+
     def at(self, moving: NDArray[np.bool_]) -> Expected:
         """The same, where these moments count: (N, A)."""
         other = copy(self)
@@ -115,9 +121,13 @@ class Expected:
 
 def sliding(robot: Robot, seen: Snapshot) -> NDArray[np.bool_]:
     """(N, A) moments in which an axis moves, and has gone on so far that friction is no spring any more."""
-    C = robot.axes_from_joints
-    way = np.where(C != 0.0, seen.way[:, None, :], np.inf).min(axis=2)  # of the joint that turned last
-    return np.asarray(in_motion(seen.dq @ C.T, seen.criteria) & (way >= seen.criteria.slides))
+    moves = in_motion(robot.on_axes(seen.dq), seen.criteria)
+    return np.asarray(moves & _far_enough(robot, seen, seen.way))
+
+
+def _far_enough(robot: Robot, seen: Snapshot, way: Array) -> NDArray[np.bool_]:
+    """way: (N, J) of joints. (N, A): whether all joints of an axis go so far."""
+    return way_of_axes(robot, way) >= seen.criteria.slides
 
 
 def _live(columns: Array) -> Array:

@@ -73,8 +73,8 @@ def exchanged(ones: Sequence[int], others: Sequence[int]) -> Sequence[Remedy]:
         return result
 
     def positions(seen: Snapshot) -> Snapshot:
-        q, dq, ddq, way = (swapped(each) for each in (seen.q, seen.dq, seen.ddq, seen.way))
-        return replace(seen, q=q, dq=dq, ddq=ddq, way=way)
+        q, dq, ddq, way, ahead = (swapped(each) for each in (seen.q, seen.dq, seen.ddq, seen.way, seen.ahead))
+        return replace(seen, q=q, dq=dq, ddq=ddq, way=way, ahead=ahead)
 
     def efforts(seen: Snapshot) -> Snapshot:
         return replace(seen, effort=swapped(seen.effort), late=swapped(seen.late))
@@ -149,9 +149,10 @@ def _scaled(joint: int, factor: float) -> Callable[[Snapshot], Snapshot]:
         q, dq, ddq = seen.q.copy(), seen.dq.copy(), seen.ddq.copy()
         for each in (q, dq, ddq):
             each[:, joint] *= factor
-        way = seen.way.copy()
-        way[:, joint] *= abs(factor)
-        return replace(seen, q=q, dq=dq, ddq=ddq, way=way)
+        way, ahead = seen.way.copy(), seen.ahead.copy()
+        for each in (way, ahead):
+            each[:, joint] *= abs(factor)
+        return replace(seen, q=q, dq=dq, ddq=ddq, way=way, ahead=ahead)
 
     return undo
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE, base_motion, needed_channels, wrench_channels
 from exogauge.identification.prior import joint_prior
+from exogauge.identification.turns import way_since_turn
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
@@ -23,7 +24,7 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 # of a snapshot, along the first axis
-MOMENTS = ("q", "dq", "ddq", "way", "held", "acc", "gyro", "gyro_dot", "effort", "wrenches")
+MOMENTS = ("q", "dq", "ddq", "way", "ahead", "held", "acc", "gyro", "gyro_dot", "effort", "wrenches")
 
 
 @final
@@ -31,7 +32,7 @@ MOMENTS = ("q", "dq", "ddq", "way", "held", "acc", "gyro", "gyro_dot", "effort",
 class Snapshot:
     """N moments of one log, low-passed; J joints, S contact sensors.
 
-    q, dq, ddq: (N, J). way: (N, J) that a joint went since it last turned.
+    q, dq, ddq: (N, J). way, ahead: (N, J) that a joint went since it last turned, and goes until it turns again.
     held: (N, J) bool, its position stays at one number for long.
     acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
     effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
@@ -48,6 +49,7 @@ class Snapshot:
     dq: Array
     ddq: Array
     way: Array
+    ahead: Array
     held: NDArray[np.bool_]
     acc: Array
     gyro: Array
@@ -120,6 +122,7 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         dq=dq[at],
         ddq=ddq[at],
         way=way_since_turn(q, dq)[at],
+        ahead=way_since_turn(q[::-1], dq[::-1])[::-1][at],
         held=held[at],
         acc=acc,
         gyro=gyro,
@@ -147,13 +150,6 @@ def held_positions(q: Array, share: float) -> NDArray[np.bool_]:
         for start, length in zip(starts, lengths, strict=True):
             own[start : start + length + 1] |= length >= share * (len(values) - 1)
     return held
-
-
-def way_since_turn(q: Array, dq: Array) -> Array:
-    """(T, J) of positions and velocities, from the first sample on."""
-    turns = np.diff(dq > 0.0, axis=0, prepend=dq[:1] > 0.0)
-    at = np.maximum.accumulate(np.where(turns, np.arange(len(q))[:, None], 0), axis=0)
-    return np.abs(q - np.take_along_axis(q, at, axis=0))
 
 
 def _shifts(latest: int, settle: int, most: int) -> NDArray[np.intp]:

@@ -25,7 +25,7 @@ from exogauge.plausibility.unlike import Unlike
 from exogauge.plausibility.zeros import Zero
 from exogauge.robots.description import Robot
 
-OTHER_CLOCK = "effort_clock"
+OTHER_CLOCK, EFFORT_DELAY = "effort_clock", "effort_delay"
 WRENCH_CLOCK = "wrench_clock"
 IMU_CLOCK = "imu_clock"
 MOVED_ZERO = "zero_moved"
@@ -139,7 +139,7 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
         advice = "is it of another clock? In a mapping name its file once more, with a `delay_s`"
     elif delay.seconds < 0.0:
         advice += "; is it the commanded torque, not the measured one?"
-    return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
+    return Finding("warning", names[0], EFFORT_DELAY, detail, advice, value=delay.seconds)
 
 
 def as_zero(robot: Robot, zero: Zero) -> Finding:

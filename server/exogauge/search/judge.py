@@ -124,8 +124,35 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     if once:
         asked = criteria.once_if_clear if explained > criteria.once_nearly_all else judging.once
     objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once, model.criteria)
+    if objection is None and any(each.name == SINCE for each in candidate.effect.shapes):
+        objection = _not_of_the_log(model, score, rows, there)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
+
+
+def _not_of_the_log(model: RobotModel, score: Score, rows: Sequence[SiteRows], there: set[str]) -> Objection | None:
+    """What begins with a log must not be in the others at such speeds: a joint that creeps in all later logs shows from
+    that log on what its friction does there. there: those that have it."""
+    moving = [each for each in rows if isinstance(each.seen.signals, AxisSignals)]
+    speeds = {each.log: np.abs(each.seen.signals.velocity) for each in moving}
+    later = [speeds[each.log][own.samples] for each in moving if each.log in there for own in each.rows.values()]
+    if not later:
+        return None
+    judging, weights, own = model.criteria.judging, model.solution.weights, model.equations.columns()
+    fastest = float(np.quantile(np.concatenate(later), judging.nearly_all_speeds))
+    effect, shapes = score.candidate.effect, score.candidate.effect.shapes
+    always = tuple(0.0 if one.name == SINCE else at for one, at in zip(shapes, score.candidate.shape, strict=True))
+    found = dict[tuple[str, int], float]()
+    for each in (one for one in moving if one.log not in there):
+        left = each.moved(score.step, own)
+        for kind, columns in each.columns(effect, always).items():
+            after = left[kind] + columns @ score.coefficients
+            change = _Change(each, kind, left[kind], after, left[kind] ** 2 - after**2, True, judging.block_s)
+            inside = speeds[each.log][each.rows[kind].samples] <= fastest
+            for place, value in change.blocks(float(weights[kind]), inside):
+                found[place] = found.get(place, 0.0) + value
+    z = sureness(np.array(list(found.values()))) if len(found) >= judging.fewest_blocks else 0.0
+    return None if z < -judging.worse else Objection(Why.SLOWER_ALONE, z)
 
 
 def _errors(changes: Sequence[_Change]) -> tuple[float, float]:

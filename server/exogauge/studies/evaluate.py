@@ -50,6 +50,7 @@ from exogauge.studies.results.discrepancy_results import (
 from exogauge.studies.results.document import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import (
     examine_logs,
+    late_and_not_in_the_model,
     refuse_what_made_it_worse,
     suspects,
     told_of_errors,
@@ -167,10 +168,11 @@ def _evaluate(
                 )  # fmt: skip
         give_back()
         told_of = found.by_stated_constants()
-        if spoiled:
+        late = late_and_not_in_the_model(recordings, kept.findings, used, discrepancy)
+        if nothing := bool(spoiled or late):
             told_of = told_of.with_nothing_decided()
         devices = {each.device for each in stiffness} | {each.device for each in (support.joints if support else ())}
-        undecided = devices if spoiled else in_doubt(support.remarks if support else (), devices)
+        undecided = devices if nothing else in_doubt(support.remarks if support else (), devices)
         stiffness = tuple(each.with_nothing_decided() if each.device in undecided else each for each in stiffness)
         support = support and support.with_nothing_decided(undecided)
         writing(0.87, Doing.WRITING_RESULTS)
@@ -182,7 +184,7 @@ def _evaluate(
             inputs=study.bundle.inputs,
             findings=findings,
             identification=told_of,
-            notices=(*study.notices, *doubts, *(Notice("failed_step", each.sentence) for each in failed)),
+            notices=(*study.notices, *doubts, *late, *(Notice("failed_step", each.sentence) for each in failed)),
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),

@@ -68,6 +68,7 @@ def efforts(
             [own.get("band_model") for own in lines],
             used,
             seconds,
+            _noise(runs, name),
         )
         have = [k for k, peak in enumerate(peaks) if peak is not None]
         if not have:
@@ -87,6 +88,14 @@ def efforts(
             ),
         )
     return result
+
+
+def _noise(runs: Runs, name: str) -> list[Array] | None:
+    """(T_k,) [N·m] of every run, by what the approach finds where there is nothing; None of what is not measured."""
+    if name not in MEASURED:
+        return None
+    steady, other = (float(each[runs.joint]) for each in runs.repeats.spread(name))
+    return [np.where(trial.steady[:, runs.joint], steady, other) for trial in runs.trials]
 
 
 def step(trial: Trial) -> float:

@@ -37,6 +37,7 @@ from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 from exogauge.support.stiffness import Springs, fit_springs, identify_bands, with_spring
 from exogauge.support.summary import summarise_joint
+from exogauge.support.worn_weight import notes_on_weight
 from exogauge.support.zeros import find_zeros
 
 Array = NDArray[np.float64]
@@ -119,6 +120,7 @@ def gather_support(
         *notes_on_logs(_used(plain, worn), worn),
         *notes_on_drift(model, drift, joints),
         *notes_on_zeros(model, zeros),
+        *notes_on_weight(model, _used(plain, worn), worn),
     )
     return Gathered(evidences, backgrounds, nothings, joints, names, notes)
 

@@ -1,7 +1,8 @@
 """The peak of a motion without the bias of a maximum: where it lies is read from other data than how large it is.
 
 The largest of many noisy samples is too large. Repetitions tell where the peak is, each time without the one that is
-read; of a single run the band model tells. Only where there is neither, the run tells itself. A twist goes both ways,
+read; of a single run the band model tells. Only where there is neither, or where the run is larger elsewhere than the
+largest of as many means by chance, the run tells itself. A twist goes both ways,
 hardly further to one side than to the other: all runs are read on the side on which they are larger together.
 """
 
@@ -44,11 +45,12 @@ def peak_places(
     models: Sequence[Array | None],
     used: Sequence[BoolArray],
     seconds: float,
+    noise: Sequence[Array] | None = None,
 ) -> list[tuple[int, float] | None]:
     """Of every run its sample of the peak and the mean there, None where nothing is used; K runs of one motion.
 
     times: (T_k,) [s] from each start. moments: of every run, by `same_moments`. lines, models: (T_k,) [N·m]. used:
-    (T_k,). seconds: that a mean lasts.
+    (T_k,). seconds: that a mean lasts. noise: (T_k,) [N·m] of such a mean; without, what the model tells counts.
     """
     smooth = [_smooth(t, line, own, seconds) for t, line, own in zip(times, lines, used, strict=True)]
     tells = list[Array | None]()
@@ -64,8 +66,19 @@ def peak_places(
     places: list[tuple[int, float] | None] = []
     for each, own in zip(tells, smooth, strict=True):
         top = None if each is None else int(np.nanargmax(side * each))
+        if top is not None and noise is not None and len(times) == 1:
+            top = _unless_refuted(top, side, own, noise[0], float(times[0][-1] - times[0][0]) / seconds)
         places.append(None if top is None else (top, float(own[top])))
     return places
+
+
+def _unless_refuted(top: int, side: float, own: Array, noise: Array, means: float) -> int:
+    """Or where a run is surely larger than there: √(2 ln n) deviations are the largest of n means by chance."""
+    known = np.isfinite(own)
+    largest = int(np.argmax(np.where(known, np.abs(own), -np.inf)))
+    apart = np.abs(own[largest]) - side * own[top]
+    chance = np.sqrt(2.0 * np.log(max(float(np.mean(known)) * means, 2.0))) * np.hypot(noise[largest], noise[top])
+    return largest if apart > chance else top
 
 
 def _smooth(time: Array, line: Array, used: BoolArray, seconds: float) -> Array:

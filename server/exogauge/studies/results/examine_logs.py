@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.errors import BadLog, Fault
+from exogauge.findings.result import Discrepancy
 from exogauge.identification.preparation import DRIVE, needed_channels
 from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification, Prediction
-from exogauge.identification.settings import Recording
+from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
 from exogauge.plausibility.examine import examine_against_robot, examine_worn
-from exogauge.plausibility.told_as import IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK
+from exogauge.plausibility.told_as import EFFORT_DELAY, IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -132,6 +133,22 @@ def worn_without_spoiled(robot: Robot, worn: Sequence[WornLog], findings: Sequen
     return UsedWorn(used, _told_of([*gone], gone, About.LOGS_SPOILED), gone)
 
 
+def late_and_not_in_the_model(
+    recordings: Sequence[Recording],
+    findings: Sequence[Mapping[str, Any]],
+    settings: Settings,
+    discrepancy: Discrepancy | None,
+) -> list[Notice]:
+    """One where efforts of fitted logs are late, and no effect that is named, or stated, accounts for it: what a drive
+    bears at once is then taken for friction and inertia, surely and wrongly."""
+    named = [*settings.effects, *(each.effect for each in (discrepancy.findings if discrepancy else ()))]
+    if DELAY in named and not (discrepancy and discrepancy.unexplained):
+        return []
+    fitted = {each.log.name for each in recordings if not each.held_out}
+    late = {each["log"]: each for each in findings if each["rule"] == EFFORT_DELAY and each["log"] in fitted}
+    return _told_of([*late], late, About.LATE_FIT)
+
+
 def _spoiling(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """log -> the first finding that spoils it."""
     against, needed = dict[str, Mapping[str, Any]](), _identified_by(robot)
@@ -177,6 +194,7 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
+DELAY = "torque_delay"  # the effect
 SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, IMU_CLOCK, MOVED_ZERO, "position_dead"}  # beside what is an error
 WORSE = 1.1  # times the error of the maker's numbers
 NOTHING = 0.02  # of a channel's rms: smaller errors are not compared

@@ -44,6 +44,8 @@ OBJECTIONS: Mapping[Why, str] = {
     "what is there follows another law",
     Why.ANOTHER_IN_EACH_LOG: "it is another one in each log: a change that stays from one log on would be "
     "{percent:.0f}{space}% of that",
+    Why.SLOWER_ALONE: "the logs before it do not contradict it at the speeds of those that have it: it may be a matter "
+    "of speed, not of the log",
     Why.AT_ITS_EDGE: "its size would be at the edge of what can be, and {at}leave {value:.2g} noise floors: something "
     "else is the cause",
     Why.DECLARED: "declared uncertainties of the measurement leave as much there, and explain all of it",

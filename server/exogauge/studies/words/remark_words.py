@@ -84,6 +84,11 @@ FORMS: Mapping[About, Form] = {
         each="{name} ({0:.1f} of {1:.1f} s)",
     ),
     About.ONE_DIRECTION: Form("Steady in one direction only: {names}. Coulomb friction and offset look alike there."),
+    About.HARDLY_SLIDES: Form(
+        "Hardly further than {0:.2g} {beside} from one turn to the next go {names}. There friction is a gear that "
+        "gives way, not Coulomb's: no parameter of these joints is taken for identified. Let them swing further.",
+        each="{name} (beyond in {0:.0%} of its steady motion)",
+    ),
     About.CREEPING: Form(
         "Friction turns round over a span of speeds, not at once, while these joints creep: {names}. What they do "
         "there is not taken for steady motion: it is neither fitted nor judged.",
@@ -140,6 +145,11 @@ FORMS: Mapping[About, Form] = {
     About.SPOILED_FIT: Form(
         "What is fitted is spoiled: {names} ({file}). No other log is there to be fitted, so no effect is named and no "
         "number that rests on it counts as decided by the data. Mend that first: {worst}."
+    ),
+    About.LATE_FIT: Form(
+        "Efforts of what is fitted are of other moments than positions: {names} ({file}). No `torque_delay` that "
+        "explains all of it is in the model, so no number that rests on it counts as decided by the data. Mend that "
+        "first: {worst}."
     ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."
@@ -207,6 +217,11 @@ FORMS: Mapping[About, Form] = {
         "they leave {names}. A load that these logs alone carry, bands that the file lacks or lays elsewhere, or "
         "another device look so. Believe nothing of the device until then.",
         each="{0:.3g} of {1:.3g} N·m in {name}",
+    ),
+    About.WORN_WEIGHT: Form(
+        "With {beside} on, the feet bear {0:.2g} ± {1:.1g} kg more than without. It is the device's own weight, or a "
+        "load that these logs alone carry: the supporting torque holds what it does to joints, which no band gives, "
+        "and what is told of the bands rests on there being none.",
     ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
