@@ -18,7 +18,7 @@ from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.payload.calibration import Calibration, said_of
 from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps, zero_of
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows, reading_of_mu
-from exogauge.payload.live_fit import Estimate, LiveFit, exciting
+from exogauge.payload.live_fit import Estimate, LiveFit, between_delay_and_pole, exciting
 from exogauge.payload.live_track import Pose, Track, Tracked
 from exogauge.payload.sensor_motion import SensorMotion, joined
 
@@ -33,7 +33,7 @@ class Start:
     believed: (16,) std of x of a payload of which nothing is known. late: [s] by which wrenches are late,
     and its std, where logs say it; filtered: [s²] variance of the response of what delays them, and its std.
     calibration: of the sensor, by what logs read. memory: samples at rest that count as one. in_doubt: why what is told
-    live is not to be believed, as logs say."""
+    live is not to be believed, as logs say. in_motion: whether logs in motion were looked at for a delay."""
 
     pose: Pose
     gravity: Array
@@ -48,6 +48,7 @@ class Start:
     calibration: Calibration | None = None
     memory: float = 1.0
     in_doubt: tuple[str, ...] = ()
+    in_motion: bool = True
 
 
 @final
@@ -181,10 +182,10 @@ class Live:
         start = self.start
         fit = LiveFit(
             start.prior, start.believed, start.criteria, named=named, calibration=start.calibration,
-            memory=start.memory, filtered=start.filtered,
+            memory=start.memory, filtered=start.filtered, in_motion=start.in_motion,
         )  # fmt: skip
         if named and start.filtered is None:
-            fit.filtered = _between_delay_and_pole(self.track.retimed.late)
+            fit.filtered = between_delay_and_pole(self.track.retimed.late)
         return fit
 
     def _in_doubt(self, estimate: Estimate) -> tuple[str, ...]:
@@ -212,7 +213,7 @@ class Live:
         if more is not None and abs(more[0]) > self.start.criteria.payload_dynamic.mu_stds * more[1]:
             self.fit.named = True
             if self.start.filtered is None:
-                self.fit.filtered = _between_delay_and_pole(self.track.retimed.late + more[0])
+                self.fit.filtered = between_delay_and_pole(self.track.retimed.late + more[0])
             retimed, most = self.track.retimed, self.start.criteria.payload.latest_s
             if abs(more[0]) > self._says.straight_s:
                 retimed.late = float(np.clip(retimed.late + more[0], -most, most))
@@ -259,11 +260,6 @@ class Live:
     def _compensated(self, estimate: Estimate) -> Compensation:
         start = self.start
         return Compensation(estimate.value, estimate.covariance, start.gravity, start.sign, start.std)
-
-
-def _between_delay_and_pole(late: float) -> tuple[float, float]:
-    """[s²] variance of the response of what delays by so much [s], of which nothing else is known, and its std."""
-    return 0.5 * late * abs(late), 0.5 * late**2
 
 
 @final

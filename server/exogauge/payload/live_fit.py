@@ -65,10 +65,13 @@ class LiveFit:
     def __init__(
         self, prior: Prior, believed: Array, criteria: Criteria = USUAL, *, named: bool = False,
         calibration: Calibration | None = None, memory: float = 1.0, filtered: tuple[float, float] | None = None,
+        in_motion: bool = True,
     ) -> None:  # fmt: skip
         """believed: (16,) std of x before anything was measured. named: whether a wrench is known to be late.
         calibration: of the sensor, by what was read before. memory: samples that count as one, by that. filtered: [s²]
-        variance of the response of the filter that delays, and its std."""
+        variance of the response of the filter that delays, and its std. in_motion: whether logs in motion were looked
+        at for a delay: else a wrench may be late by as much as is not known of it, and x is told beside that."""
+        self._unseen_delay = not in_motion
         self.memory, self.filtered = memory, filtered
         self._calibration, self._read = calibration, list[Seen]()
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
@@ -216,20 +219,25 @@ class LiveFit:
         meat[16, 16] += self._latest**-2
         joint = inverse @ meat @ inverse
         late = (self._late_by, float(np.sqrt(max(joint[16, 16], 0.0))))
-        if self.named:
+        filtered = self.filtered
+        told = self._blocks >= self._says.steady
+        self._unseen_delay &= not (told and late[1] <= self._says.straight_s)
+        if self.named or self._unseen_delay:
             x, covariance = self._beside, joint[:16, :16]
+            if filtered is None:
+                filtered = between_delay_and_pole(abs(late[0]) + late[1])
         else:
             inverse = np.linalg.inv(known[:16, :16])
             covariance = inverse @ meat[:16, :16] @ inverse
-        if self.filtered is not None:
+        if filtered is not None:
             slope = np.zeros(16)
             slope[:10] = 0.5 * self._all[17:, 17:] @ x[:10]  # -Aᵀ Ä x / 2, by parts
             slope = inverse[:16, :16] @ slope
-            x, self._open = x + self.filtered[0] * slope, self.filtered[1] * slope
+            x, self._open = x + filtered[0] * slope, filtered[1] * slope
             covariance = covariance + np.outer(self._open, self._open)
         if not np.all(np.diag(covariance) > 0.0):
             return self._value, self.prior.covariance, None
-        return x, covariance, late if self._blocks >= self._says.steady else None
+        return x, covariance, late if told else None
 
     def _remembered(self, white: Array) -> tuple[float, float]:
         """By how much the noise of a sum is more than if it were white, and how many blocks count as one. white: (n, k)
@@ -295,6 +303,11 @@ class LiveFit:
         mu = square / float(v @ P @ v - len(known))
         squares = np.einsum("i,kij,j->k", v, self._sums[full][:, :17, :17], v)
         return mu, mu * float(squares.std() / squares.mean() / np.sqrt(self._blocks))
+
+
+def between_delay_and_pole(late: float) -> tuple[float, float]:
+    """[s²] variance of the response of what delays by so much [s], of which nothing else is known, and its std."""
+    return 0.5 * late * abs(late), 0.5 * late**2
 
 
 def _summed(scores: Array, lags: int, *, first: bool = False) -> Array:

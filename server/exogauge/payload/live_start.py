@@ -48,7 +48,7 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     believed, late, filtered = np.sqrt(np.diag(prior.covariance)), None, None
     calibration: Calibration = uncalibrated(declared_of(payload.file, criteria))
     in_doubt: tuple[str, ...] = ()
-    memory = 1.0
+    memory, in_motion = 1.0, False
     zero: str = settings.zero
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
@@ -66,13 +66,14 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
             prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
             memory = _memory(payload, stages.postures.holds, criteria)
+        in_motion = stages.excitation is not None
         if stages.excitation is not None:
             prior = _after(stages.excitation.chosen, zero, criteria.payload_dynamic)
     else:
         sign = stated_sign(payload)
     return Start(
         pose_of(payload, criteria), gravity, sign, std_of(payload), prior, believed,
-        settings.false_alarms_per_hour, criteria, late, filtered, calibration, memory, in_doubt,
+        settings.false_alarms_per_hour, criteria, late, filtered, calibration, memory, in_doubt, in_motion,
     )  # fmt: skip
 
 
