@@ -76,9 +76,11 @@ def efforts(
             continue
         means = [float(np.mean(lines[k][name][used[k]])) for k in have]
         tops = [(k, peaks[k]) for k in have]
-        near = {k: _near(trials[k].time, top[0], seconds) & calm[k] for k, top in tops if top is not None}
+        about = {k: _near(trials[k].time, top[0], seconds) for k, top in tops if top is not None}
+        near = {k: each & calm[k] for k, each in about.items()}
+        beside = {k: each & used[k] for k, each in about.items()}
         of_mean = _told(runs, name, {k: used[k] for k in have}, means, whole=True)
-        of_peak = _told(runs, name, near, [top[1] for _, top in tops if top is not None], whole=False)
+        of_peak = _told(runs, name, near, [top[1] for _, top in tops if top is not None], whole=False, beside=beside)
         lasting = float(np.mean([float(used[k].sum()) * step(trials[k]) for k in have]))
         integral = [mean * float(used[k].sum()) * step(trials[k]) for k, mean in zip(have, means, strict=True)]
         result[name] = Effort(
@@ -119,12 +121,18 @@ def _estimate(value: float, parts: Mapping[str, float], unit: str) -> Estimate:
 
 
 def _told(
-    runs: Runs, name: str, windows: Mapping[int, BoolArray], values: Sequence[float], whole: bool
+    runs: Runs,
+    name: str,
+    windows: Mapping[int, BoolArray],
+    values: Sequence[float],
+    whole: bool,
+    beside: Mapping[int, BoolArray] | None = None,
 ) -> dict[str, float]:
     """Source -> standard deviation [N·m] of the mean over trials of means over windows.
 
     windows: trial -> (T,) samples. values: [N·m] of each trial. whole: of a motion or phase, over which errors that
-    last a second average out; a peak bears them all, as it does what the model lacks in just that posture.
+    last a second average out; a peak bears them all, as it does what the model lacks in just that posture. beside: with
+    the turn that a peak may lie at, and is not read at.
     """
     K = len(values)
     scatter = float(np.var(values, ddof=1)) / K if K > 1 else 0.0
@@ -141,6 +149,8 @@ def _told(
         hidden = runs.evidences[k].at_rest(name)[window, runs.joint]
         noise = np.where(moves, steady, other) ** 2
         if not whole:
+            around = window if beside is None else beside[k]
+            noise = np.where(runs.trials[k].steady[around, runs.joint], steady, other) ** 2
             at_rest.append(float(np.mean(hidden)))
             nulls.append(float(np.sqrt(np.mean(noise))))
             continue
