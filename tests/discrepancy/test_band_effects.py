@@ -430,8 +430,8 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
 
 @pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
-    (finding,) = search(trunk, ("left", "band_hardening")).findings
-    assert named(search(trunk, ("left", "band_hardening"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+    (finding,) = search(trunk, ("left", "band_via_friction")).findings
+    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
@@ -507,8 +507,8 @@ def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
             low, high = after.stiffness_interval
             assert after.with_effects
             assert low < now.value < high
-            if approach == "A":  # by which it was named
-                assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
+            if approach == "A":  # by which it was named, fitted once more beside what else is doubted
+                assert now.value == pytest.approx(after.stiffness.value, abs=after.stiffness.std)
             assert abs(after.stiffness.value - K) < abs(linear.bands[0].stiffness.value - K)
 
 
@@ -576,7 +576,8 @@ def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
     (finding,) = found.findings
     for band, true in zip(told.bands, (0.62 * K, K), strict=True):
         assert abs(band.stiffness.value - true) < 3.0 * band.stiffness.std < 0.1 * true
-    assert told.bands[0].stiffness.value == finding.parameters["stiffness"].value
+    now = told.bands[0].stiffness
+    assert finding.parameters["stiffness"].value == pytest.approx(now.value, abs=now.std)
 
 
 @pytest.mark.slow
