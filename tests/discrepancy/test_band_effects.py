@@ -427,8 +427,8 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
 
 @pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
-    (finding,) = search(trunk, ("left", "band_hardening")).findings
-    assert named(search(trunk, ("left", "band_hardening"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+    (finding,) = search(trunk, ("left", "band_via_friction")).findings
+    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
