@@ -28,11 +28,11 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
 
 KINDS = ("sqlite", "postgresql")
 QUICK_S, CPU_S = 2.0, "CPU seconds"  # what takes more than a sixth of it is slow, where nothing else runs
-LONG = (  # CPU seconds of each: 85 to 30; the last one waits for most of its time
-    "motion/test_plan.py", "discrepancy/test_band_effects.py", "support/test_band_doubt.py",
-    "motion/test_other_robots.py", "synthetic/test_lab.py", "discrepancy/test_band_limit.py",
-    "support/test_stiffness.py", "upkeep/test_backup.py", "support/test_declared_inputs.py",
-    "discrepancy/test_sensor_effects.py", "api/test_live.py",
+LONG = (  # CPU seconds of each: 80 to 30; the last one waits for most of its time
+    "discrepancy/test_band_effects.py", "support/test_band_doubt.py", "synthetic/test_lab.py",
+    "discrepancy/test_band_limit.py", "support/test_stiffness.py", "upkeep/test_backup.py",
+    "support/test_declared_inputs.py", "discrepancy/test_sensor_effects.py", "motion/test_plan.py",
+    "motion/test_other_robots.py", "api/test_live.py",
 )  # fmt: skip
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")

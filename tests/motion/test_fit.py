@@ -104,6 +104,24 @@ def test_a_bow_is_as_deep_as_it_was(tmp_path: Path) -> None:
         fit_human(bowing(), criteria=replace(USUAL, most_frames=100))
 
 
+@pytest.mark.slow
+def test_a_marker_that_is_elsewhere_for_a_moment_is_left_out_and_told() -> None:
+    """30 cm in one frame took the trunk 26 degrees aside there, in silence; 100 m were refused with no name."""
+    bow = bowing()
+    for frames, aside in ((slice(50, 51), 0.3), (slice(50, 51), 100.0), (slice(40, 60), 1.0)):
+        position = bow.markers.position.copy()
+        position[frames, bow.markers.labels.index("C7"), 0] += aside
+        wrong = replace(bow, markers=replace(bow.markers, position=position))
+        if frames == slice(50, 51):
+            fit = fit_human(wrong)
+            assert fit.told["slips"].startswith("C7 at 0.50 s, by ")
+            assert np.ptp(np.degrees(fit.trunk[:, 0])) == pytest.approx(40.0, abs=1e-3)
+            continue
+        with pytest.raises(BadMotion, match=r"cm of this one at 0\.[45]") as refused:
+            fit_human(wrong)
+        assert (refused.value.faults[0].rule, refused.value.faults[0].column) == ("no_body", "C7")
+
+
 @pytest.mark.parametrize("wrong", ["names", "axis"])
 def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
     """It was fitted all the same, its trunk 33 degrees off."""

@@ -121,11 +121,12 @@ def test_meshes_beside_a_folder_are_opened_for_ones_own_files_alone(tmp_path: Pa
     assert opened("package:///b/link.stl") == b"b"
 
 
-def test_a_robot_whose_meshes_lie_upwards_is_drafted_with_or_without_them(tmp_path: Path, capsys) -> None:
-    """`../meshes/…` from the folder of the URDF, as Vega's and Robotiq's."""
+@pytest.mark.parametrize("folder", ["../meshes", "file:///opt/ros/share/ur_description/meshes"])
+def test_a_robot_whose_meshes_lie_upwards_is_drafted_with_or_without_them(folder: str, tmp_path: Path, capsys) -> None:
+    """`../meshes/…` from the folder of the URDF, as Vega's and Robotiq's; as xacro writes those of its own machine."""
     urdf = package("ur_description/urdf/ur5_robot.urdf", tmp_path)
-    text = re.sub(r"package://[^\"]*?/meshes", "../meshes", urdf.read_text())
-    assert text.count("../meshes/") > 6
+    text = re.sub(r"package://[^\"]*?/meshes", folder, urdf.read_text())
+    assert text.count(f"{folder}/") > 6
     urdf.write_text(text)
     assert main(["motion", "robot", str(urdf)]) == 0
     assert load_motion_robot(urdf.with_name("robot.yaml"), beside=True).shapeless == ()
@@ -133,7 +134,7 @@ def test_a_robot_whose_meshes_lie_upwards_is_drafted_with_or_without_them(tmp_pa
     capsys.readouterr()
     table, alone = tmp_path / "still.csv", tmp_path / "alone"
     alone.mkdir()
-    (alone / "ur5.urdf").write_text(text.replace("../meshes", "../../../nowhere"))
+    (alone / "ur5.urdf").write_text(text.replace(folder, "../../../nowhere"))
     assert main(["motion", "robot", str(alone / "ur5.urdf")]) == 0
     joints = load_motion_robot(alone / "robot.yaml").joints
     rows = [",".join(f"{cell:g}" for cell in (t / 100, *[-1.0] * 6)) for t in range(100)]

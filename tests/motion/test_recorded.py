@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.motion.by_mujoco import ByMuJoCo, Shapes
+from tests.motion.plans import SOON
 from tests.motion.robots import sample_folder
-from tests.motion.test_plan import SOON
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion

@@ -103,3 +103,15 @@ def test_a_peak_of_what_the_model_lacks_at_one_moment_is_as_doubtful_as_it_is_la
     assert b.parts["null_test"] == max(b.parts.values())
     for name in ("a", "paired"):
         assert found[name].peak.std < 0.2 * b.std
+
+
+def test_what_errs_at_a_turn_is_no_peak(told, logs, found):
+    """Friction that turns round otherwise than a sign does so in all runs, at the same moments."""
+    plain, worn = logs
+    q, t = worn.channels[f"q.{JOINT}"], worn.time
+    turns = t[1:-1][np.diff(np.sign(np.diff(q))) != 0.0]
+    spikes = 3.0 * np.sum(np.exp(-(((t[:, None] - turns) / 0.01) ** 2)), axis=1)
+    spoilt = replace(worn, channels={**worn.channels, f"i.{JOINT}": worn.channels[f"i.{JOINT}"] - spikes})
+    for approach in ("a", "b", "paired"):
+        peak, without = told(plain, spoilt)[approach].peak, found[approach].peak
+        assert peak.value == pytest.approx(without.value, abs=2.0 * without.std), approach

@@ -27,8 +27,12 @@ class MotionFit:
     bent, bent_sd: elbows and knees at the very start, so that they bend the right way.
     fewest: markers that say how pelvis and thorax lie. rigid_line: m, second singular value over the square root of
     the number of points: less is a line. bad_rms: a marker that misses by more is told. no_body_rms: of all markers,
-    beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7. least_seen: share of
-    frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once. at_once: that
+    beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7.
+    slip_m: a marker that misses by more in some frames, unlike most of its segment, is none there, or another's; skin
+    and stature leave 3 cm at most where labels are right (OpenCap's STS1). moment: share of a marker's frames up to
+    which that is for a moment; more is a wrong name. slips: times that it is looked for.
+    least_seen: share of frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once.
+    at_once: that
     are tracked at once, beside: and looked at before and after them; what is 2 s away says nothing of a posture.
     most_frames: at 200 Hz a quarter of an hour, which takes 3 GB.
     """
@@ -66,6 +70,9 @@ class MotionFit:
     rigid_line: float = 0.01
     bad_rms: float = 0.03
     no_body_rms: float = 0.03
+    slip_m: float = 0.15
+    moment: float = 0.1
+    slips: int = 2
     least_seen: float = 0.5
     chunk: int = 512
     at_once: int = 5000

@@ -336,17 +336,16 @@ def _bodies(robot: Element) -> Iterator[tuple[Element, Element, float, Array]]:
 
 
 def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:
-    """Meshes are never opened here; one of this machine alone or of the network is refused. A path upwards, as many
-    makers write it beside their `urdf` folder, is taken: whoever opens meshes reads what lies in the bundle alone."""
+    """Meshes are never opened here; one of the network is refused. A path upwards, as many makers write it beside their
+    `urdf` folder, and one of the maker's machine, as xacro writes `file://$(find …)`, are taken: whoever opens meshes
+    reads what lies in the bundle alone, by how its path ends."""
     for element in link.iter():
         path = (element.get("filename") or "").replace("\\", "/") if element.tag in ("mesh", "texture") else ""
         if not path:
             continue
         scheme, _, rest = path.rpartition("://")
-        rest = rest.removeprefix("/") if scheme in ("package", "model") else rest  # as some write them
-        upwards = bool(scheme) and ".." in rest.split("/")  # out of a package
-        outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or upwards
-        if outside or scheme not in ("", "package", "model"):
+        upwards = scheme in ("package", "model") and ".." in rest.split("/")  # out of a package
+        if upwards or scheme not in ("", "package", "model", "file"):
             yield Fault(f"link {link.get('name')!r}: a mesh outside the bundle", "mesh_outside",
                         "Write package://NAME/meshes/…: a file is found by how its path ends", file,
                         value=path[:80])  # fmt: skip

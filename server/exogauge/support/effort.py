@@ -61,12 +61,13 @@ def efforts(
     seconds = runs.model.criteria.support.peak_s
     for name in present:
         used = [mask & np.isfinite(own[name]) for own, mask in zip(lines, chosen, strict=True)]
+        calm = _calm(runs, used)
         peaks = peak_places(
             runs.times,
             runs.moments,
             [own[name] for own in lines],
             [own.get("band_model") for own in lines],
-            used,
+            calm,
             seconds,
             _noise(runs, name),
         )
@@ -75,7 +76,7 @@ def efforts(
             continue
         means = [float(np.mean(lines[k][name][used[k]])) for k in have]
         tops = [(k, peaks[k]) for k in have]
-        near = {k: _near(trials[k].time, top[0], seconds) & used[k] for k, top in tops if top is not None}
+        near = {k: _near(trials[k].time, top[0], seconds) & calm[k] for k, top in tops if top is not None}
         of_mean = _told(runs, name, {k: used[k] for k in have}, means, whole=True)
         of_peak = _told(runs, name, near, [top[1] for _, top in tops if top is not None], whole=False)
         lasting = float(np.mean([float(used[k].sum()) * step(trials[k]) for k in have]))
@@ -88,6 +89,14 @@ def efforts(
             ),
         )
     return result
+
+
+def _calm(runs: Runs, used: Sequence[BoolArray]) -> list[BoolArray]:
+    """(T_k,) of every run where it moves steadily or rests; all that is used where it never does. At starts and turns
+    errors are rare and large, and the largest of them, alike in all runs, would be the peak."""
+    j = runs.joint
+    calm = [own & (each.steady[:, j] | each.rest[:, j]) for own, each in zip(used, runs.trials, strict=True)]
+    return [some if some.any() else own for some, own in zip(calm, used, strict=True)]
 
 
 def _noise(runs: Runs, name: str) -> list[Array] | None:

@@ -1,13 +1,14 @@
 """Where a band could run that nobody declared: straight from link to link, or at one joint where no more is known.
 
 Where a link ends is not known here; what is known is its inertia, and the box that has it. A wire is tried from the
-middle of every side of one link's box to every side of another's.
+middle of every side of one link's box to every side of another's. What a fixed robot stands on has no inertia: the box
+of the link that it carries, with all joints at zero, stands for it.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -126,15 +127,27 @@ def _between_links(ground: Ground, joints: Sequence[int]) -> Iterator[Course]:
     """Between all links with at most a few joints in between, one of the given ones among them."""
     tree, criteria = ground.model.robot.tree, ground.model.criteria.device
     least = criteria.lightest * tree.mass
-    sides = {body: _sides(tree, body) for body in range(len(tree.bodies)) if tree.phi[body, 0] > least}
-    for one, other in itertools.combinations(sides, 2):
+    heavy = [body for body in range(len(tree.bodies)) if tree.phi[body, 0] > least]
+    ends = {body: [ViaPoint(tree.bodies[body], side) for side in _sides(tree, body)] for body in heavy}
+    ends = _on_the_base(tree, ends) | ends
+    for one, other in itertools.combinations(ends, 2):
         crossed = _crossed(tree, one, other)
         if len(crossed) > criteria.most_crossed or not set(joints) & crossed:
             continue
-        name = f"{tree.bodies[one]} - {tree.bodies[other]}"
-        for start, end in itertools.product(sides[one], sides[other]):
-            points = (ViaPoint(tree.bodies[one], start), ViaPoint(tree.bodies[other], end))
+        name = f"{ends[one][0].link} - {ends[other][0].link}"
+        for points in itertools.product(ends[one], ends[other]):
             yield Course("band", name, Routing(tree, [Band(name, name, points)]), 0)
+
+
+def _on_the_base(tree: RigidTree, ends: Mapping[int, Sequence[ViaPoint]]) -> dict[int, list[ViaPoint]]:
+    """Of what a fixed robot stands on; none where nothing heavy hangs on it."""
+    base = next(((name, pose) for name, (body, pose) in tree.frames.items() if body < 0), None)
+    carried = next((body for body in ends if tree.parent[body] < 0 and not tree.floating), None)
+    if base is None or carried is None:
+        return {}
+    to_base = base[1].inverse() * tree.T_before[carried] * tree.T_after[carried]
+    places = [to_base.act(np.array(point.xyz)) for point in ends[carried]]
+    return {-1: [ViaPoint(base[0], (float(x), float(y), float(z))) for x, y, z in places]}
 
 
 def _led_better(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,15 +34,52 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
         detail, advice = f"no body is fitted to more than {criteria.most_frames} frames", "Cut the motion"
         raise BadMotion(Fault(detail, "too_long", advice, motion.name, value=str(len(motion.time))))
     refuse_exchanged(motion)
-    fit = _fitted(motion, static, criteria)
-    if motion.markers is not None and fit.rms > criteria.no_body_rms:
-        detail = f"no body fits these markers: {100 * fit.rms:.1f} cm rms are left"
-        advice = "See to their names, the unit and the vertical axis; give a static trial"
-        raise BadMotion(Fault(detail, "no_body", advice, motion.name))
-    return fit
+    fit, off = _fitted(motion, static, criteria)
+    if motion.markers is None:
+        return fit
+    segments, slips = [motion.markers.segment[label] for label in fit.labels], dict[str, str]()
+    for _ in range(criteria.slips):
+        slipped = _slipped(off, segments, criteria)
+        if not slipped.any():
+            break
+        for m in np.flatnonzero(slipped.any(axis=0)):
+            when = motion.time[slipped[:, m]]
+            slips.setdefault(fit.labels[m], f"{fit.labels[m]} at {when[0]:.2f} s, by {100 * off[:, m].max():.0f} cm"
+                             + (f", and in {len(when) - 1} frames more" if len(when) > 1 else ""))  # fmt: skip
+        motion = _unseen(motion, fit.labels, slipped)
+        fit, off = _fitted(motion, static, criteria)
+    if fit.rms > criteria.no_body_rms:
+        frame, far = np.unravel_index(int(off.argmax()), off.shape)
+        detail = (f"no body fits these markers: {100 * fit.rms:.1f} cm rms are left, "
+                  f"{100 * off[frame, far]:.0f} cm of this one at {motion.time[frame]:.2f} s")  # fmt: skip
+        advice = "See what was there, and to its name; to names, unit and vertical axis of all; give a static trial"
+        raise BadMotion(Fault(detail, "no_body", advice, motion.name, column=fit.labels[far]))
+    return replace(fit, told={**fit.told, "slips": "; ".join(slips.values())}) if slips else fit
 
 
-def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit) -> HumanFit:
+def _slipped(off: Array, segment: Sequence[str], criteria: MotionFit) -> NDArray[np.bool_]:
+    """(T, M) points that are far from where the body has them, each alone of its segment: else it is the body's fault.
+    None of a point that is so for more than a moment."""
+    alone = np.zeros(off.shape, dtype=bool)
+    for part in set(segment):
+        own = np.flatnonzero([each == part for each in segment])
+        if len(own) >= criteria.fewest:
+            ranked = np.sort(off[:, own], axis=1)
+            alone[:, own] = off[:, own] > np.maximum(criteria.slip_m, 2.0 * ranked[:, -2:-1])
+    return np.asarray(alone & (alone.mean(axis=0) <= criteria.moment))
+
+
+def _unseen(motion: HumanMotion, labels: tuple[str, ...], where: NDArray[np.bool_]) -> HumanMotion:
+    """The motion with gaps at (T, M) of labelled markers."""
+    assert motion.markers is not None
+    position = motion.markers.position.copy()
+    for m in np.flatnonzero(where.any(axis=0)):
+        position[where[:, m], motion.markers.labels.index(labels[m])] = np.nan
+    return replace(motion, markers=replace(motion.markers, position=position))
+
+
+def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit) -> tuple[HumanFit, Array]:
+    """And (T, M) [m] by how much each point misses; 0 where it is not seen."""
     body = human_body()
     observed = observe(motion, body, criteria)
     chosen = _spread(observed, criteria.frames)
@@ -61,20 +99,22 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
     q = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
     at = pose(body, q, shared.scale)
     miss = observed.position - places(at, observed.points, shared.scale, offset)
-    residual = np.sqrt(np.nanmean(np.sum(miss**2, axis=2), axis=0))
+    off = np.linalg.norm(miss, axis=2)
+    residual = np.sqrt(np.nanmean(off**2, axis=0))
     ends = Points(
         np.array([body.part[part] for part in ENDS], dtype=np.intp), np.array(list(ENDS.values())),  # type: ignore[index]
         np.array([[SCALES.index(part[2:])] * 3 for part in ENDS]),
     )  # fmt: skip
     far = places(at, ends, shared.scale, np.zeros((len(ENDS), 3)))
     deviation = np.sqrt(np.diag(shared.covariance)[: len(SCALES)])
-    return HumanFit(
+    fit = HumanFit(
         motion.name, body, motion.time, q, sd, _named(shared.scale), _named(deviation),
         {part: at.rotation[:, k] for part, k in body.part.items()},
         {part: at.position[:, k] for part, k in body.part.items()},
         {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
         observed.labels, offset, residual, shared.noise, _told(observed, shared, offset, residual, criteria),
     )  # fmt: skip
+    return fit, np.nan_to_num(off)
 
 
 def _named(values: Array) -> dict[str, float]:

@@ -218,14 +218,22 @@ def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, crit
     )  # fmt: skip
 
 
+def watch(used: Shares, watched: Watched, criteria: MotionPlan) -> None:
+    """Rates, accelerations and jerks that are near their bounds are written to `watched`. They stay: a jerk that is
+    left out of one round is broken by it, and the rounds come to no end."""
+    for what in ("rate", "fast", "jerk"):
+        for sign in (1.0, -1.0):
+            near = sign * getattr(used, what) > criteria.near
+            watched[what, sign] = near | watched.get((what, sign), near)
+
+
 def bounds(
     robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, used: Shares, pairs: Pairs,
     criteria: MotionPlan, watched: Watched,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
     """G x ≤ h, each row with its node's slack: what `used` has near its bound, friction, pressure, weight.
 
-    watched: rates, accelerations and jerks that were near their bounds in a round before; written to. They stay: a
-    jerk that is left out of one round is broken by it, and the rounds come to no end.
+    watched: rates, accelerations and jerks, as of `watch`.
     """
     N, n, F, h = len(slope.torque), robot.model.nq, len(robot.soles), spline.step
     rows = Rows(n + 6 * F + 1, N + 2)
@@ -236,9 +244,7 @@ def bounds(
 
     def chain(what: str, bound: Array, weights: tuple[float, ...], sign: float) -> None:
         """Differences of control points that are or were near their bound (J,)."""
-        near = sign * getattr(used, what) > criteria.near
-        watched[what, sign] = near = near | watched.get((what, sign), near)
-        k, j = (each.astype(np.intp) for each in np.nonzero(near))
+        k, j = (each.astype(np.intp) for each in np.nonzero(watched[what, sign]))
         top = (sign / (kept * bound[j]))[:, None]
         parts = [(k + m, joints[j][:, None], top * w) for m, w in enumerate(weights)]
         spare = np.clip(k + len(weights) // 2, 1, N)

@@ -17,7 +17,7 @@ from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
 from exogauge.motion.plan.clear import cleared
-from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes
+from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes, watch
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
@@ -193,7 +193,7 @@ def _settle(
     settled = np.ones_like(asked.stands)  # where the feet can be moved
     settled[: ends.led] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
-    kept = nearest = spline, wrench, excess  # of the round before; of the one that lacks least
+    kept, nearest = None, (spline, wrench, excess)  # of the round before, with its slopes; of the one that lacks least
     lacked = np.inf
     least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
     watched = Watched()
@@ -201,6 +201,7 @@ def _settle(
     while True:
         slope = slopes(robot, asked, spline, wrench)
         used = shares(robot, spline, slope, pairs, criteria)
+        watch(used, watched, criteria)  # of a round that is not kept, too
         strays = float(np.abs(slope.error[settled]).max(initial=0.0))
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
         over = float((used.beyond - np.maximum(excess, 0.0)).max())  # more than the equations said
@@ -216,17 +217,15 @@ def _settle(
             lacked, nearest = max(lacks, float(excess.max()) / criteria.over), (spline, wrench, excess)
         if rounds >= criteria.rounds or rounds - since >= criteria.patience:
             return Planned(*nearest, guess.rounds + rounds, size, whole)
-        if wrong > max(criteria.far_off * missed, 0.5) and missed < np.inf and still < criteria.stillest:
-            spline, wrench, excess = kept  # slopes promised what is not there: again, nearer to what was
+        if kept and wrong > max(criteria.far_off * missed, 0.5) and still < criteria.stillest:
+            spline, wrench, excess, slope, used = kept  # slopes promised what is not there: again, nearer to what was
             still, rounds = min(max(8.0 * still, 1.0), criteria.stillest), rounds + 1
-            slope = slopes(robot, asked, spline, wrench)
-            used = shares(robot, spline, slope, pairs, criteria)
         else:
             if missed < np.inf:
                 stuck = size > 0.5 * last if held else wrong > 0.5 * missed
                 still = min(max(8.0 * still, 1.0), criteria.stillest) if stuck else still / 2.0
             missed, last = wrong, size
-        kept = spline, wrench, excess
+        kept = spline, wrench, excess, slope, used
         A, b = equations(robot, asked, spline, wrench, slope, ends.first, ends.led, ends.last)
         G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria, watched)
         stages = np.zeros((N + 2, wide))
@@ -301,7 +300,7 @@ def _solve(
         settings.eps_abs, settings.eps_rel = 1e-2, 1e-8  # of slopes; what is asked for holds to 1e-9 by then
         settings.eps_duality_gap_abs = 0.5  # an angle off by its stray at one node costs as much
         settings.max_iter = 40  # a first round, far from any posture that stands, may end here; it goes on from there
-        solver.setup(P, c, A, b, G, np.full(len(h), -np.inf), h, low, high)
+        solver.setup(P, c, A, b, G, None, h, low, high)
         status = solver.solve()
         if status in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
             return np.array(solver.result.x), ""  # a view would keep the solver and all that it holds

@@ -178,7 +178,7 @@ class Pairs:
                         samples.append(start + t)
                         found.append(p)
                         distances.append(distance)
-                    else:
+                    elif t + 1 < len(part):
                         far = int(way[p].searchsorted(way[p, t] + distance - within, side="right"))
                         due[max(far, t + 1)].append(p)
             self._where[last >= 0] = part[last[last >= 0]]
