@@ -210,10 +210,10 @@ PULLS = {
 }
 
 
-def elsewhere(band: Band) -> Band:
+def elsewhere(band: Band, std: float = MEASURED_TO, seed: int | None = None) -> Band:
     """With its via points some millimetres from where the device file has them."""
-    rng = np.random.default_rng(len(band.name))
-    moved = tuple(replace(point, xyz=tuple(rng.normal(point.xyz, MEASURED_TO))) for point in band.via_points)
+    rng = np.random.default_rng(len(band.name) if seed is None else [seed, len(band.name)])
+    moved = tuple(replace(point, xyz=tuple(rng.normal(point.xyz, std))) for point in band.via_points)
     return replace(band, via_points=moved)
 
 
@@ -223,11 +223,13 @@ def measured(trunk: Trunk, std: float) -> Trunk:
     return replace(trunk, device=replace(trunk.device, bands=bands))
 
 
-def pulls(trunk, hidden, posture, place):
-    """(T, 3) what all bands do to the joints. hidden: (band or `both`, what) or None; place: of the log among all."""
-    routing, t = trunk.routing, np.arange(len(posture)) / RATE
+def pulls(trunk, hidden, posture, place, sits=None):
+    """(T, 3) what all bands do to the joints. hidden: (band or `both`, what) or None; place: of the log among all.
+    sits: bands as they are, where that is not as described."""
+    t = np.arange(len(posture)) / RATE
     if hidden and hidden[1] == "elsewhere":
-        routing = Routing(trunk.model.robot.tree, tuple(map(elsewhere, trunk.device.bands)))
+        sits = tuple(map(elsewhere, trunk.device.bands))
+    routing = trunk.routing if sits is None else Routing(trunk.model.robot.tree, sits)
     geometry = routing.geometry(posture)
     torque = np.zeros((len(t), 3))
     for b, band in enumerate(trunk.device.bands):
@@ -259,7 +261,8 @@ def over_the_back(trunk, posture):
     return -jacobian * spring(np.arange(len(posture)) / RATE, geometry.length[:, 0], 0.3, 0.3 * K)[:, None]
 
 
-def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix"), repetitions=3, noise_floor=NOISE):
+def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix"), repetitions=3, noise_floor=NOISE,
+             sits=None):  # fmt: skip
     rng, joints = np.random.default_rng(seed), np.arange(3)
     routing, evidences, nothings = trunk.routing, [], []
 
@@ -272,7 +275,7 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
         for posture in trunk.postures[motion][:repetitions]:
             t = np.arange(len(posture)) / RATE
             kept = np.arange(20, len(t) - 20, EVERY)
-            torque = pulls(trunk, hidden, posture, len(evidences))
+            torque = pulls(trunk, hidden, posture, len(evidences), sits)
             if hidden and hidden[1] == "extra_band":
                 torque += extra(posture) if hidden[0] == "none" else over_the_back(trunk, posture)
             torque[kept] += coloured(len(t))[: len(kept)]
@@ -504,8 +507,8 @@ def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
             low, high = after.stiffness_interval
             assert after.with_effects
             assert low < now.value < high
-            if approach == "A":  # by which it was named
-                assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
+            if approach == "A":  # by which it was named, fitted once more beside what else is doubted
+                assert now.value == pytest.approx(after.stiffness.value, abs=after.stiffness.std)
             assert abs(after.stiffness.value - K) < abs(linear.bands[0].stiffness.value - K)
 
 
@@ -548,6 +551,24 @@ def test_bands_are_fitted_again_beside_what_is_named_where_further_joints_were_l
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", [5, *(pytest.param(each, marks=pytest.mark.thorough) for each in (1, 2, 3, 4))])
+def test_beside_what_is_named_a_stiffness_is_as_sure_as_via_points_and_the_laws_shape_let_it_be(trunk, seed):
+    """Fitted without these, three intervals of sixteen missed, by up to four standard deviations, and others were
+    three times as wide."""
+    known_to, hidden = 0.004, ("left", "band_hardening")
+    worn = measured(trunk, known_to)
+    sits = tuple(elsewhere(each, known_to, seed) for each in trunk.device.bands)
+    seen = gathered(worn, hidden, seed, sits=sits)
+    fit = partial(identify_bands, worn.model, worn.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
+    found = find_band_effects(worn.model, seen, [fit()], NONE_YET)
+    assert named(found) == [("band_hardening", "left")]
+    for band in fit(*found.bands).bands:
+        assert abs(band.stiffness.value - K) < 3.0 * band.stiffness.std, band.band
+        assert abs(band.natural_length.value - LENGTHS[band.band]) < 3.0 * band.natural_length.std, band.band
+        assert band.stiffness.std < 0.15 * K
+
+
+@pytest.mark.slow
 def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
     seen, found = gathered(trunk, ("left", "band_stiffness"), 1), search(trunk, ("left", "band_stiffness"))
     (named,) = found.bands
@@ -555,7 +576,8 @@ def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
     (finding,) = found.findings
     for band, true in zip(told.bands, (0.62 * K, K), strict=True):
         assert abs(band.stiffness.value - true) < 3.0 * band.stiffness.std < 0.1 * true
-    assert told.bands[0].stiffness.value == finding.parameters["stiffness"].value
+    now = told.bands[0].stiffness
+    assert finding.parameters["stiffness"].value == pytest.approx(now.value, abs=now.std)
 
 
 @pytest.mark.slow

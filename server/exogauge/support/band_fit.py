@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import covariance
 from exogauge.support.band_inputs import nuisance_torques
@@ -67,11 +66,10 @@ class BandFit:
 @final
 @dataclass(frozen=True)
 class NamedBands:
-    """A device with what a search has named of its bands: the fit that the search by `approach` ended with, in which
-    every band has its own values, and further wires run behind the declared bands."""
+    """A device with what a search has named of its bands: the fit that the search ended with, in which every band has
+    its own values, and further wires run behind the declared bands."""
 
     device: Device
-    approach: Approach
     fit: BandFit
 
 
@@ -100,7 +98,7 @@ def fit_beside(
     sigma: Array,
     named: BandFit,
 ) -> BandFit:
-    """By another approach, with what was named beside the springs, believed as the search believes them."""
+    """With what was named beside the springs, believed as the search believes them."""
     wear, W = named.fitted.wear, len(wires)
     wires += tuple(logs.wire(wire.course) for wire in named.setting.wires[W:])
     return _beside_beliefs(_weighed_fit(logs, wires, null, robot, sigma, named.setting.belief, [wear]))

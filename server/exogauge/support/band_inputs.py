@@ -14,9 +14,9 @@ from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
 from exogauge.identification.disturbances import ZERO
-from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
+from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting, pulls, residual
 from exogauge.support.band_nuisances import Between
-from exogauge.support.band_rows import WearLog, Wire, between, stretches_and_taut, taut
+from exogauge.support.band_rows import WearLog, Wire, between
 from exogauge.support.evidence import on_joints
 
 Array = NDArray[np.float64]
@@ -38,14 +38,14 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
 
 
 def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
-    """(N, D, m) [N·m] per standard deviation of what is fitted beside the bands: how the device sits, and zeros of the
-    feet's sensors. What the samples tell next to nothing of is left to the doubt.
+    """(N, D, m) [N·m] per standard deviation of what is fitted beside the bands: how the device sits, zeros of the
+    feet's sensors, shapes of what a search has named. What the samples tell next to nothing of is left to the doubt.
 
     No gain: it would make less of all that was measured, of noise and pull alike, and be found wherever there is noise.
     """
     least_told, samples = 0.01, 1000  # of what is declared of a direction; at most, as all of this is smooth
     few = BandInputs(setting, fitted, samples)
-    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet()]
+    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet(), *few.shapes(setting)]
     if not found:
         return None
     V = np.stack(found, axis=2, dtype=np.float32)
@@ -96,6 +96,21 @@ class BandInputs:
         in_common = {place: log for place, log in parts.items() if ZERO not in log.anew}
         yield from self._of_logs(in_common, np.sqrt(DECLARED.alike))
 
+    def shapes(self, setting: Setting) -> Iterator[Array]:
+        """(n, D) [N·m] of each shape of what a search has named, by a quarter of its range: it was found without what
+        else is fitted beside the bands, which the logs tell from it."""
+        some, small, wear = 0.25, 1e-3, self._wear
+        before = residual(setting.logs, setting.wires, wear) if wear.added else np.zeros(0)
+        for number, each in enumerate(wear.added):
+            for place, shape in enumerate(each.effect.shapes):
+                reach, now = shape.high - shape.low, np.array(each.shape)
+                step = small * reach * (1.0 if now[place] + small * reach <= shape.high else -1.0)
+                now[place] += step
+                added = list(wear.added)
+                added[number] = replace(each, shape=tuple(now.tolist()))
+                moved = replace(wear, added=tuple(added))
+                yield (some * reach / step) * (before - residual(setting.logs, setting.wires, moved))[self._chosen]
+
     def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
         """(n, D) of each zero that these logs have in common. share: of a log's own."""
         columns: Array | None = None
@@ -121,17 +136,16 @@ class BandInputs:
         moved = Routing(routing.tree, [band, *_moved(band)])
         geometry = moved.geometry(self._posture)
         jacobian = on_joints(geometry.jacobian, moved, self._joints)
-        k, l_0 = self._wear.spring(place)
-        stretch, at_all = (k * each[self._chosen] for each in stretches_and_taut([wire], np.array([l_0])))
+        pull, slope = (each[self._chosen, None] for each in pulls(self._wires, self._wear, place))
         for n in range(1, geometry.length.shape[1]):
             longer = (geometry.length[:, [n]] - geometry.length[:, [0]]) / NEAR
             turned = (jacobian[:, n] - jacobian[:, 0]) / NEAR
-            yield -(turned * stretch + jacobian[:, 0] * (at_all * longer))
+            yield -(turned * pull + jacobian[:, 0] * (slope * longer))
 
     def _other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
         """(n, D) of each log, per metre by which the band is longer in it."""
-        k, l_0 = self._wear.spring(place)
-        torque = (wire.jacobian * (k * taut([wire], np.array([l_0]))))[self._chosen]
+        _, slope = pulls(self._wires, self._wear, place)
+        torque = (wire.jacobian * slope[:, None])[self._chosen]
         for log in np.unique(self._log):
             yield np.where((self._log == log)[:, None], torque, 0.0)
 

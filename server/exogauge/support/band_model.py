@@ -310,11 +310,21 @@ def tensions(wires: Sequence[Wire], wear: Wear) -> Mapping[int, list[Array]]:
     """Declared band that has another law -> its tension by log, as the laws have it."""
     laws = [each for each in wear.effects if not each.effect.per_segment and each.wire < len(wear.k)]
     return {
-        wire: wires[wire].tension(
-            [(each.effect, each.shape, each.coefficients) for each in laws if each.wire == wire], *wear.spring(wire)
-        )
+        wire: wires[wire].tension(_laws(wear, wire), *wear.spring(wire))
         for wire in dict.fromkeys(each.wire for each in laws)
     }
+
+
+def pulls(wires: Sequence[Wire], wear: Wear, place: int) -> tuple[Array, Array]:
+    """(N,) each: [N] of a declared band, and [N/m] by which a longer way makes it larger; as the laws have it."""
+    k, l_0 = wear.spring(place)
+    return wires[place].pulls(_laws(wear, place), k, l_0, NEAR * l_0)
+
+
+def _laws(wear: Wear, place: int) -> list[tuple[BandEffect, tuple[float, ...], Array]]:
+    """Of a declared band, those that pull alike all along it."""
+    own = [each for each in wear.effects if each.wire == place and not each.effect.per_segment]
+    return [(each.effect, each.shape, each.coefficients) for each in own]
 
 
 def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:

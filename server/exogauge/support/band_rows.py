@@ -334,13 +334,8 @@ def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
     return _as_torque(wires, (_stretch,), l_0)
 
 
-def taut(wires: Sequence[Wire], l_0: Array) -> Array:
-    """(N, W) share of the moment that bands of natural length l_0 are taut: minus the slope of `stretches` with l_0."""
-    return _as_torque(wires, (_taut,), l_0)
-
-
 def stretches_and_taut(wires: Sequence[Wire], l_0: Array) -> tuple[Array, Array]:
-    """Both, in one pass."""
+    """(N, W) each: `stretches`, and the share of the moment that bands are taut: minus their slope with l_0."""
     both = _as_torque(wires, (_stretch, _taut), l_0)
     return both[:, : len(wires)], both[:, len(wires) :]
 
@@ -474,6 +469,17 @@ class Wire:
                 whole = whole + effect.added_tension(signals, shape) @ coefficients
             found.append(whole)
         return found
+
+    def pulls(
+        self, laws: Sequence[tuple[BandEffect, tuple[float, ...], Array]], k: float, l_0: float, step: float
+    ) -> tuple[Array, Array]:
+        """(N,) each: [N] by these laws, and [N/m] by which it grows as the band is shorter, by a step [m]."""
+        parts = []
+        for run, *both in zip(self.runs, self.tension(laws, k, l_0), self.tension(laws, k, l_0 - step), strict=True):
+            pull, more = np.maximum(both, 0.0)
+            parts.append(run.log.as_torque(np.stack([pull, (more - pull) / step], axis=1)))
+        pull, slope = np.concatenate(parts).T
+        return pull, slope
 
     def beyond_spring(self, tension: Sequence[Array], k: float, l_0: float) -> Array:
         """(N, D) torque of a band with this tension (of `tension`) beside that of its spring."""

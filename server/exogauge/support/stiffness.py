@@ -141,21 +141,18 @@ def fit_springs(
     leaves next to nothing of a spring's own stiffness.
     """
     notes, robot_doubt = _stated_laws(device), model.a_priori_doubt if approach == "prior" else model.doubt
-    if named is not None and named.approach == approach:
-        seen = named.fit
+    columns = np.array([model.robot.tree.joints.index(name) for name in joints])
+    zero = model.robot.torque_zero[columns]
+    logs = rows_with(evidences, approach, columns, joints, model.cutoff_hz, zero_std=zero)
+    null = None
+    if approach not in ("A", "paired"):
+        null = rows_without(nothings, evidences, approach, columns, joints, zero_std=zero)
+    wires = band_wires(logs, Routing(model.robot.tree, device.bands))
+    if named is None:
+        seen, told = fit_device(device, logs, wires, null, robot_doubt, sigma)
+        notes += told
     else:
-        columns = np.array([model.robot.tree.joints.index(name) for name in joints])
-        zero = model.robot.torque_zero[columns]
-        logs = rows_with(evidences, approach, columns, joints, model.cutoff_hz, zero_std=zero)
-        null = None
-        if approach not in ("A", "paired"):
-            null = rows_without(nothings, evidences, approach, columns, joints, zero_std=zero)
-        wires = band_wires(logs, Routing(model.robot.tree, device.bands))
-        if named is None:
-            seen, told = fit_device(device, logs, wires, null, robot_doubt, sigma)
-            notes += told
-        else:
-            seen = fit_beside(logs, wires, null, robot_doubt, sigma, named.fit)
+        seen = fit_beside(logs, wires, null, robot_doubt, sigma, named.fit)
     plan = seen.fitted.wear.layout
     known = {place for place in range(len(plan.names)) if seen.setting.belief.precision[place, place] > 0.0}
     blind = {name for direction in seen.fitted.null_directions for name in involved(plan, direction)}

@@ -116,7 +116,7 @@ def search_wear(
         declared=declared,
         seen=seen(ground, left_out),
         before_after=before_after(laws.first, ground, of) if len(wears) > 1 else (),
-        bands=(NamedBands(device, ended.approach, ended.fit),) if len(wears) > 1 or ended is not ground else (),
+        bands=(NamedBands(device, ended.fit),) if len(wears) > 1 or ended is not ground else (),
         tried=laws.tried,
         notes=(Caveat("unclear_course", device.name),) if laws.unclear else (),
     )
