@@ -25,7 +25,7 @@ from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, fit_device, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, taut
+from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, stretches_and_taut
 from exogauge.support.inputs import Doubts, Inputs, sloped_samples, variance_of_mean
 from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
@@ -493,7 +493,8 @@ def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_leng
     for _ in range(60):
         moved = drawn_bands(bands, rng, 0.002)
         longer = 0.001 * rng.normal(size=(2, len(worn)))
-        one = sum(wire.jacobian * (k[b] * taut([wire], np.array([l_0[b]])) * longer[b, setting.logs.log][:, None])
+        _, taut = stretches_and_taut(setting.wires, l_0)
+        one = sum(wire.jacobian * (k[b] * taut[:, b] * longer[b, setting.logs.log])[:, None]
                   for b, wire in enumerate(setting.wires))  # fmt: skip
         squares.append((torque(moved) - as_described + one) ** 2)
     used = setting.logs.used
