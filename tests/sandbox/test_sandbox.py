@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -235,3 +239,18 @@ def test_the_child_starts_in_under_a_second_of_cpu(table: Path) -> None:
 def test_the_child_says_nothing_on_the_terminal(table: Path, capfd: pytest.CaptureFixture[str]) -> None:
     parse_log(request(table))
     assert capfd.readouterr() == ("", "")
+
+
+def test_an_answer_is_one_where_the_disk_has_no_room_for_what_was_said_on_the_way(tmp_path: Path) -> None:
+    """It was told as a study that makes its reader crash."""
+    says = "import sys; from exogauge.sandbox.answering import serve\n"
+    says += "def task():\n    sys.stderr.write('no end of line')\n    return {'read': 1}\nserve({'read': task})"
+    asked = {"task": "read", "options": {}, "limits": dataclasses.asdict(Limits())}
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", says],
+            input=json.dumps(asked), text=True, cwd=tmp_path, stderr=full, env=buffered, timeout=60,
+        )  # fmt: skip
+    assert json.loads((tmp_path / "answer.json").read_text()) == {"result": {"read": 1}}
+    assert done.returncode == 0

@@ -8,6 +8,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -35,7 +36,8 @@ def serve(tasks: Tasks) -> NoReturn:
         Path(ANSWER).write_text(json.dumps(answer(tasks[request["task"]], request["options"]), allow_nan=False))
     except OSError as problem:  # a full disk has no room for an answer either
         os._exit(NO_ROOM if no_room(problem) else 1)
-    sys.stderr.flush()
+    with suppress(OSError):  # what was said on the way is no answer: a full disk may have no room for it
+        sys.stderr.flush()
     os._exit(0)
 
 
