@@ -59,7 +59,7 @@ class About(StrEnum):
     DEVICE_OFF = "device_off"  # logs that say with it; -; device
     DEVICE_ON_WHERE_FITTED = "device_on_where_fitted"  # logs without it; -; device
     NOT_OF_BANDS = "not_of_bands"  # logs; what its bands leave, what is measured [N·m]; device
-    WORN_WEIGHT = "worn_weight"  # -; -; device; what feet bear beyond logs without it, its doubt [kg], its weight [N]
+    WORN_WEIGHT = "worn_weight"  # -; -; device; what feet bear beyond logs without it, its doubt [kg]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach

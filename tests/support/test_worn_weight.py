@@ -23,7 +23,7 @@ def test_a_load_that_logs_with_the_device_alone_carry_is_told_with_its_mass(bipe
     notes = notes_on_weight(model, plain, worn)
     assert [each.about for each in notes] == [About.WORN_WEIGHT] * (weight_n > 0.0)
     for note in notes:
-        more, std, _ = note.numbers
+        more, std = note.numbers
         assert more == pytest.approx(weight_n / 9.81, abs=2.0 * std)
         assert std < 0.5
         assert note.beside == (suit.name,)

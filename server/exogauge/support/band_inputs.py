@@ -45,7 +45,7 @@ def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
     """
     least_told, samples = 0.01, 1000  # of what is declared of a direction; at most, as all of this is smooth
     few = BandInputs(setting, fitted, samples)
-    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet(), *few.shapes(setting)]
+    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet(), *few.shapes()]
     if not found:
         return None
     V = np.stack(found, axis=2, dtype=np.float32)
@@ -80,10 +80,13 @@ class BandInputs:
             if wire.course.routing is None:
                 continue
             band = wire.course.routing.bands[wire.course.index]
+            if not (band.point_std > 0.0 or band.donning_std > 0.0):
+                continue
+            pull, slope = (each[self._chosen, None] for each in pulls(self._wires, self._wear, place))
             if band.point_std > 0.0:
-                yield from ((VIA_POINTS, band.point_std * each) for each in self._moved_points(wire, band, place))
+                yield from ((VIA_POINTS, band.point_std * each) for each in self._moved_points(wire, band, pull, slope))
             if band.donning_std > 0.0:
-                yield from ((DONNING, band.donning_std * each) for each in self._other_lengths(wire, place))
+                yield from ((DONNING, band.donning_std * each) for each in self._other_lengths(wire, slope))
 
     def zeros_of_feet(self) -> Iterator[Array]:
         """(n, D) [N·m] that one standard deviation of each zero adds: of the session's course, or of each log's own, of
@@ -96,11 +99,11 @@ class BandInputs:
         in_common = {place: log for place, log in parts.items() if ZERO not in log.anew}
         yield from self._of_logs(in_common, np.sqrt(DECLARED.alike))
 
-    def shapes(self, setting: Setting) -> Iterator[Array]:
+    def shapes(self) -> Iterator[Array]:
         """(n, D) [N·m] of each shape of what a search has named, by a quarter of its range: it was found without what
         else is fitted beside the bands, which the logs tell from it."""
         some, small, wear = 0.25, 1e-3, self._wear
-        before = residual(setting.logs, setting.wires, wear) if wear.added else np.zeros(0)
+        before = residual(self._logs, self._wires, wear) if wear.added else np.zeros(0)
         for number, each in enumerate(wear.added):
             for place, shape in enumerate(each.effect.shapes):
                 reach, now = shape.high - shape.low, np.array(each.shape)
@@ -109,7 +112,7 @@ class BandInputs:
                 added = list(wear.added)
                 added[number] = replace(each, shape=tuple(now.tolist()))
                 moved = replace(wear, added=tuple(added))
-                yield (some * reach / step) * (before - residual(setting.logs, setting.wires, moved))[self._chosen]
+                yield (some * reach / step) * (before - residual(self._logs, self._wires, moved))[self._chosen]
 
     def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
         """(n, D) of each zero that these logs have in common. share: of a log's own."""
@@ -129,23 +132,21 @@ class BandInputs:
         parts = [between(self._chosen[self._log == k] - span.start, span.stop - span.start) for k, span in spans]
         return Between(values, scipy.sparse.block_diag(parts, format="csr"))
 
-    def _moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
-        """(n, D) of each coordinate, per metre."""
+    def _moved_points(self, wire: Wire, band: Band, pull: Array, slope: Array) -> Iterator[Array]:
+        """(n, D) of each coordinate, per metre. pull, slope: (n, 1) as of `pulls`."""
         routing = wire.course.routing
         assert routing is not None
         moved = Routing(routing.tree, [band, *_moved(band)])
         geometry = moved.geometry(self._posture)
         jacobian = on_joints(geometry.jacobian, moved, self._joints)
-        pull, slope = (each[self._chosen, None] for each in pulls(self._wires, self._wear, place))
         for n in range(1, geometry.length.shape[1]):
             longer = (geometry.length[:, [n]] - geometry.length[:, [0]]) / NEAR
             turned = (jacobian[:, n] - jacobian[:, 0]) / NEAR
             yield -(turned * pull + jacobian[:, 0] * (slope * longer))
 
-    def _other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
-        """(n, D) of each log, per metre by which the band is longer in it."""
-        _, slope = pulls(self._wires, self._wear, place)
-        torque = (wire.jacobian * slope[:, None])[self._chosen]
+    def _other_lengths(self, wire: Wire, slope: Array) -> Iterator[Array]:
+        """(n, D) of each log, per metre by which the band is longer in it. slope: (n, 1) as of `pulls`."""
+        torque = wire.jacobian[self._chosen] * slope
         for log in np.unique(self._log):
             yield np.where((self._log == log)[:, None], torque, 0.0)
 

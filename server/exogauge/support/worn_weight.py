@@ -16,13 +16,13 @@ from exogauge.identification.disturbances import zeros_in_doubt
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import of_x
 from exogauge.identification.preparation import Prepared
+from exogauge.logs.units import STANDARD_GRAVITY
 from exogauge.remarks import About, Remark
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import prepare_worn
 from exogauge.support.settings import PlainLog, WornLog
 
 FORCE = slice(0, 3)  # of the base rows
-GRAVITY = 9.81  # [m/s²]
 
 
 def notes_on_weight(model: RobotModel, plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> list[Remark]:
@@ -36,7 +36,7 @@ def notes_on_weight(model: RobotModel, plain: Sequence[PlainLog], worn: Sequence
         return []
     without = np.array([*side_by_side(lambda each: _excess(model, model.prepare(each.log)), bare)])
     with_it = np.array([*side_by_side(lambda each: _excess(model, prepare_worn(model, each.log)), worn)])
-    zero = float(np.linalg.norm(zeros_in_doubt(robot).reshape(-1, 6)[:, 2])) / GRAVITY
+    zero = float(np.linalg.norm(zeros_in_doubt(robot).reshape(-1, 6)[:, 2])) / STANDARD_GRAVITY
     found = list[Remark]()
     for name in dict.fromkeys(each.device.name for each in worn):
         own = with_it[[each.device.name == name for each in worn]]
@@ -45,8 +45,7 @@ def notes_on_weight(model: RobotModel, plain: Sequence[PlainLog], worn: Sequence
         scatter = np.sqrt(sum(float(each @ each) for each in groups) / free) if free else 0.0
         more, std = own.mean() - without.mean(), max(zero, scatter) * np.sqrt(1.0 / len(own) + 1.0 / len(without))
         if abs(more) > model.criteria.identifying.feet_against_mass * std:
-            numbers = (float(more), float(std), float(more) * GRAVITY)
-            found.append(Remark(About.WORN_WEIGHT, beside=(name,), numbers=numbers))
+            found.append(Remark(About.WORN_WEIGHT, beside=(name,), numbers=(float(more), float(std))))
     return found
 
 
