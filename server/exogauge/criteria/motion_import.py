@@ -57,9 +57,7 @@ class MotionImport:
     most_leap: float = 0.5  # judgement: of what is seen in both frames; the body is elsewhere, and not a marker
     held_frames: int = 2  # frames that repeat the one before: one does so by chance where numbers are rounded
     held_m: float = 0.02  # judgement: by which the others of its part move meanwhile; a foot turns about one that rests
-    fast_m_per_s2: float = (
-        20.0  # measured: rms of a point of the trunk; recordings 5, ten times as fast 37
-    )
+    fast_m_per_s2: float = 20.0  # measured: rms of a point of the trunk; recordings 5, ten times as fast 37
     fast_s: float = 0.05
     usual_hz: tuple[float, float] = (20.0, 1000.0)  # judgement: cameras and suits run at 24 to 500
     crossed: float = 0.9  # judgement: of frames in which a left point lies to the right of its fellow; legs cross too
