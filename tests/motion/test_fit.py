@@ -134,7 +134,8 @@ def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
 def test_markers_that_are_no_body_in_a_mirror_either_are_refused_once() -> None:
     """Each mirror was refused for its own mirror: the search went on for an hour."""
     bow = bowing()
-    shuffled = np.random.default_rng(1).permutation(bow.markers.position[:12], axis=1)
+    shuffled = bow.markers.position[:12].copy()
+    shuffled[..., 2] = np.random.default_rng(1).permutation(shuffled[..., 2], axis=1)
     few = replace(bow.markers, position=shuffled, filled=np.zeros(shuffled.shape[:2], dtype=bool))
     with pytest.raises(BadMotion, match="no body fits these markers") as refused:
         fit_human(replace(bow, time=bow.time[:12], markers=few))

@@ -31,7 +31,8 @@ class MotionFit:
     slip_m: a marker that misses by more in some frames, unlike most of its segment, is none there, or another's; skin
     and stature leave 3 cm at most where labels are right (OpenCap's STS1). moment: share of a marker's frames up to
     which that is for a moment; more is a wrong name. slips: times that it is looked for.
-    least_seen: share of frames in which pelvis and thorax must be seen. chunk: frames of which slopes are held at once.
+    least_seen: share of frames in which pelvis and thorax must be seen. guessed_s: longer stretches in which they are
+    not are told; a spline closes shorter ones. chunk: frames of which slopes are held at once.
     at_once: that
     are tracked at once, beside: and looked at before and after them; what is 2 s away says nothing of a posture.
     most_frames: at 200 Hz a quarter of an hour, which takes 3 GB.
@@ -74,6 +75,7 @@ class MotionFit:
     moment: float = 0.1
     slips: int = 2
     least_seen: float = 0.5
+    guessed_s: float = 0.1
     chunk: int = 512
     at_once: int = 5000
     beside: int = 400

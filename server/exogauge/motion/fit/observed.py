@@ -54,6 +54,20 @@ class Observed:
     mean: Array
     weight: Array
 
+    def seen_of(self, part: Segment) -> NDArray[np.intp]:
+        """(T,) points of known place that are seen on a part of the body."""
+        on = np.array([each == part for each in self.segment]) & self.known
+        return np.asarray(np.isfinite(self.position[:, on, 0]).sum(axis=1))
+
+    def fixed(self, fewest: int) -> BoolArray:
+        """(T,) how pelvis and thorax lie is seen, by `fewest` points of each, or stated."""
+        stated = (self.weight > 0.0).any(axis=1)
+        return np.asarray(stated | ((self.seen_of("pelvis") >= fewest) & (self.seen_of("thorax") >= fewest)))
+
+    def lost(self) -> BoolArray:
+        """(T,) of pelvis or of thorax nothing is seen, nor stated."""
+        return ~self.fixed(1)
+
 
 def observe(motion: HumanMotion, body: HumanBody, criteria: MotionFit) -> Observed:
     """Raises BadMotion where pelvis or thorax cannot be known."""
