@@ -26,7 +26,8 @@ def track(
 
     The second is a motion that white acceleration of density S drives; no frame is pulled to the one before.
     q: (T, K) to start from: of a capture at many frames a second, some of them are tracked first, and the rest begins
-    between those; and (T,) which have not settled. Of a long motion `at_once` frames at a time, with `beside` of those before and after.
+    between those. Of a long motion `at_once` frames at a time, with `beside` of those before and after. And (T,) which
+    frames have not settled.
     """
     out, T = np.empty_like(q), len(q)
     moving = np.zeros(T, dtype=bool)
