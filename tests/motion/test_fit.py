@@ -17,7 +17,7 @@ from exogauge.errors import BadMotion
 from exogauge.motion.files import open_motion
 from exogauge.motion.fit.body import SCALES, human_body
 from exogauge.motion.fit.fit import fit_human
-from exogauge.motion.fit.kinematics import pose
+from exogauge.motion.fit.kinematics import Points, normal, places, pose, slopes
 from exogauge.motion.human import HumanMotion, Markers
 from exogauge.motion.presets import recognise
 
@@ -38,6 +38,20 @@ def test_the_body_moves_as_pinocchio_moves_it() -> None:
             frame = data.oMf[model.getFrameId(part)]
             assert at.position[t, k] == pytest.approx(frame.translation, abs=1e-12)
             assert at.rotation[t, k] == pytest.approx(frame.rotation, abs=1e-12)
+
+
+def test_normal_equations_are_those_of_the_slopes() -> None:
+    body, rng = human_body(), np.random.default_rng(1)
+    joint = rng.integers(0, len(body.coordinates), 9)
+    points = Points(joint, rng.normal(0.0, 0.2, (9, 3)), np.zeros((9, 3), dtype=int))
+    scale = np.ones(len(SCALES))
+    at = pose(body, rng.normal(0.0, 0.5, (4, len(body.coordinates))), scale)
+    place = places(at, points, scale, np.zeros((9, 3)))
+    left, weight = rng.normal(size=place.shape), rng.uniform(0.0, 2.0, (4, 9))
+    A, g = normal(body, at, points, place, left, weight)
+    J, w = slopes(body, at, points, place), np.repeat(weight, 3, axis=1)
+    assert np.moveaxis(A, 2, 0) == pytest.approx(np.einsum("tnk,tn,tnl->tkl", J, w, J), abs=1e-12)
+    assert pytest.approx(np.einsum("tnk,tn,tn->tk", J, w, left.reshape(4, -1)), abs=1e-12) == g.T
 
 
 def test_markers_that_say_nothing_of_the_trunk_are_refused() -> None:

@@ -13,10 +13,10 @@ from exogauge.errors import BadMotion, Fault
 from exogauge.logs.findings import runs
 from exogauge.motion.fit.body import SCALES, human_body
 from exogauge.motion.fit.kinematics import Points, places, pose
-from exogauge.motion.fit.observed import Observed, observe, standing, untracked
+from exogauge.motion.fit.observed import Observed, at_frames, observe, standing, untracked
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.fit.shared import Shared, shared_fit
-from exogauge.motion.fit.start import postures, without_jumps
+from exogauge.motion.fit.start import JOINTS, TURNS, leaning, postures, settled, without_jumps
 from exogauge.motion.fit.track import track
 from exogauge.motion.human import DOUBTS, HumanMotion
 from exogauge.motion.sides import refuse_exchanged
@@ -85,14 +85,19 @@ def _unseen(motion: HumanMotion, labels: tuple[str, ...], where: NDArray[np.bool
 def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit) -> tuple[HumanFit, Array]:
     """And (T, M) [m] by how much each point misses; 0 where it is not seen."""
     body = human_body()
-    observed = observe(motion, body, criteria)
+    observed = leaning(body, observe(motion, body, criteria), criteria, TURNS)
     chosen = _spread(observed, criteria.frames, criteria.fewest)
-    few = _at(observed, chosen)
+    few = at_frames(observed, chosen)
     if static is not None:
-        upright = standing(observe(static, body, criteria), body, criteria)
-        few = _joined(few, _at(upright, _spread(upright, criteria.static_frames, criteria.fewest)))
-    ones = np.ones(len(SCALES))
-    shared = shared_fit(body, few, postures(body, few, ones, criteria), ones, criteria)
+        upright = leaning(body, standing(observe(static, body, criteria), body, criteria), criteria, TURNS)
+        few = _joined(few, at_frames(upright, _spread(upright, criteria.static_frames, criteria.fewest)))
+    ones, nowhere = np.ones(len(SCALES)), np.zeros((len(few.labels), 3))
+    begun = postures(body, few, ones, criteria)
+    leant = leaning(body, few, criteria, JOINTS)  # or a limb turns over while sizes are wrong
+    first = shared_fit(body, leant, begun, ones, nowhere, criteria.first_to_go, criteria)
+    variance = np.full(len(few.labels), criteria.start_noise**2)
+    again = settled(body, few, first.q, first.scale, first.offset, variance, criteria)
+    shared = shared_fit(body, few, again, first.scale, first.offset, criteria.to_go, criteria)
     kept = [few.labels.index(label) for label in observed.labels]
     offset = shared.offset[kept]
     F = len(chosen)
@@ -100,7 +105,7 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
     T = len(motion.time)
     q, sd = (np.stack([np.interp(np.arange(T), chosen, column) for column in each.T], axis=1)
              for each in (knots, shared.q_sd[:F]))  # fmt: skip
-    q = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
+    q, moving = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
     at = pose(body, q, shared.scale)
     miss = observed.position - places(at, observed.points, shared.scale, offset)
     off = np.linalg.norm(miss, axis=2)
@@ -117,7 +122,7 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
         {part: at.position[:, k] for part, k in body.part.items()},
         {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
         observed.labels, offset, residual, shared.noise, observed.lost(),
-        _told(observed, shared, offset, residual, motion.rate, criteria),
+        _told(observed, shared, moving, offset, residual, motion.rate, criteria),
     )  # fmt: skip
     return fit, np.nan_to_num(off)
 
@@ -132,11 +137,6 @@ def _spread(observed: Observed, count: int, fewest: int) -> NDArray[np.intp]:
     seen = np.isfinite(observed.position[..., 0]).sum(axis=1)
     parts = np.array_split(usable, min(count, len(usable)))
     return np.array([part[int(seen[part].argmax())] for part in parts], dtype=np.intp)
-
-
-def _at(observed: Observed, frames: NDArray[np.intp]) -> Observed:
-    return replace(observed, position=observed.position[frames], mean=observed.mean[frames],
-                   weight=observed.weight[frames])  # fmt: skip
 
 
 def _joined(first: Observed, then: Observed) -> Observed:
@@ -158,7 +158,13 @@ def _joined(first: Observed, then: Observed) -> Observed:
 
 
 def _told(
-    observed: Observed, shared: Shared, offset: Array, residual: Array, rate: float, criteria: MotionFit
+    observed: Observed,
+    shared: Shared,
+    moving: NDArray[np.bool_],
+    offset: Array,
+    residual: Array,
+    rate: float,
+    criteria: MotionFit,
 ) -> dict[str, str]:
     told = {}
     starts, lengths = runs(~observed.fixed(criteria.fewest))
@@ -188,6 +194,10 @@ def _told(
            if observed.segment.count(part) < criteria.fewest]  # fmt: skip
     if few:
         told["few_points"] = ", ".join(few)
-    if not shared.settled:
-        told["not_settled"] = f"scales and places still moved after {criteria.shared_steps} steps"
+    still = [] if shared.settled else [f"scales and places still moved after {criteria.shared_steps} steps"]
+    if moving.any():
+        still.append(f"postures still moved after {criteria.track_steps} steps in {moving.sum()} frames, the first at "
+                     f"{np.flatnonzero(moving)[0] / rate:.2f} s")  # fmt: skip
+    if still:
+        told["not_settled"] = "; ".join(still)
     return told
