@@ -93,7 +93,7 @@ class PriorLeastSquares:
 def bounded_least_squares(H: Array, g: Array, low: Array, high: Array) -> Array:
     """(C,) argmin ½ xᵀ H x - gᵀ x with low ≤ x ≤ high. H: (C, C) positive definite."""
     if len(g) == 1:
-        return np.clip(g / H[0], low, high)
+        return np.asarray(np.clip(g / H[0], low, high))
     x = np.linalg.solve(H, g)
     if np.all(x >= low) and np.all(x <= high):
         return np.asarray(x)
