@@ -31,7 +31,7 @@ QUICK_S, CPU_S = 2.0, "CPU seconds"  # what takes more than a sixth of it is slo
 LONG = (  # CPU seconds of each: 80 to 30; the last one waits for most of its time
     "discrepancy/test_band_effects.py", "support/test_band_doubt.py", "synthetic/test_lab.py",
     "discrepancy/test_band_limit.py", "support/test_stiffness.py", "upkeep/test_backup.py",
-    "support/test_declared_inputs.py", "discrepancy/test_sensor_effects.py", "motion/test_plan.py",
+    "support/declared/test_common_inputs.py", "discrepancy/test_sensor_effects.py", "motion/test_plan.py",
     "motion/test_other_robots.py", "api/test_live.py",
 )  # fmt: skip
 LOCAL = [

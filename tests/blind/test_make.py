@@ -16,7 +16,7 @@ import yaml
 from exogauge.blind.answers import ANSWERS, SEAL, read_answers
 from exogauge.blind.generator.hidden.kinds import IN_BANDS, KINDS, ON_REQUEST
 from exogauge.blind.generator.make import make
-from exogauge.blind.generator.plan import BLOCK, CLEAN, PAIRS, plan_case, possible
+from exogauge.blind.generator.plan import BLOCK, CLEAN, PAIRS, can_be_asked_for, plan_case, possible
 from exogauge.errors import BadInput
 
 pytestmark = pytest.mark.slow
@@ -117,6 +117,13 @@ def test_what_is_made_only_when_asked_for_is_made_then_and_changes_no_seed() -> 
     assert not set(ON_REQUEST) & {kind for number in range(1, 2 * BLOCK + 1) for kind in plan_case(3, number).kinds}
     asked = [plan_case(3, number, "both", ON_REQUEST) for number in range(1, 9)]
     assert {kind for plan in asked for kind in plan.kinds} == set(ON_REQUEST)
+
+
+def test_a_case_that_hides_nothing_can_be_asked_for_and_has_no_clutter() -> None:
+    for robots in ("arm6", "torso8", "both"):
+        plans = [plan_case(3, number, robots, ("nothing",)) for number in range(1, BLOCK + 1)]
+        assert not any(plan.kinds or plan.clutter for plan in plans)
+        assert "nothing" in can_be_asked_for(robots)
 
 
 def test_a_block_is_made_up_as_the_document_says() -> None:

@@ -169,6 +169,15 @@ def test_what_is_stated_are_the_values_of_the_law():
         assert set(effect.stated) == (own if effect.law else set())
 
 
+@every_law
+def test_what_a_search_may_find_can_be_stated(law):
+    """Or the device file that is made of a result would be refused."""
+    for effect in law.effects:
+        for each in (*effect.coefficients, *effect.shapes):
+            stated = effect.stated[each.name]
+            assert stated.low <= each.low < each.high <= stated.high, each.name
+
+
 def test_linear_pulls_by_its_stretch_and_is_slack_below_its_natural_length():
     seen = motion(np.array([0.1, 0.6, 0.65, 0.8]), np.arange(4.0))
     np.testing.assert_allclose(law("linear").tension(seen, K, L_0, {}), [0.0, 0.0, 10.0, 40.0], atol=1e-12)

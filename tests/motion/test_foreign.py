@@ -533,10 +533,20 @@ def test_what_was_fetched_in_place_of_a_capture_is_told(tmp_path: Path, name: st
 def test_a_skeleton_that_is_not_there_is_told(tmp_path: Path) -> None:
     """A traceback."""
     (tmp_path / "a.amc").write_text(AMC)
-    for skeleton in (tmp_path / "lost.asf", tmp_path):
-        with pytest.raises(BadMotion, match="no such file") as refused:
+    for skeleton, what in ((tmp_path / "lost.asf", "no such file"), (tmp_path, "is a folder")):
+        with pytest.raises(BadMotion, match=what) as refused:
             open_motion(tmp_path / "a.amc", skeleton=skeleton)
         assert refused.value.faults[0].file == skeleton.name
+
+
+def test_a_folder_is_answered_with_what_it_holds(tmp_path: Path) -> None:
+    """It was said not to be there."""
+    with pytest.raises(BadMotion, match=r"Name a file; it holds no \.c3d"):
+        open_motion(tmp_path)
+    (tmp_path / "a.amc").write_text(AMC)
+    with pytest.raises(BadMotion, match=r"Name a file in it: a\.amc") as refused:
+        open_motion(tmp_path)
+    assert (refused.value.faults[0].rule, refused.value.faults[0].file) == ("a_folder", tmp_path.name)
 
 
 def test_two_people_with_the_same_labels_are_told(tmp_path: Path) -> None:

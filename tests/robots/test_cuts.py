@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,7 +14,7 @@ from exogauge.robots.export import export_urdf
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import cut_regressor, cut_wrench, regressor
-from exogauge.robots.row_blocks import BodyLoads, RowBlocks
+from exogauge.robots.row_blocks import BodyLoads, RowBlocks, Swept
 from exogauge.robots.urdf import load_tree
 
 LINK = (
@@ -148,6 +150,19 @@ def test_loads_are_the_rows_times_the_parameters(sensors, coupled):
         expected += [block @ phi[own] for block, own in zip(cut.fill(motion), cut.columns, strict=True)]
     found = BodyLoads(tree, base.columns, C, sensors).of(motion, phi)
     assert found == pytest.approx(np.transpose(expected, (2, 0, 1)), abs=1e-10)
+
+
+def test_one_joint_that_moves_otherwise_is_a_motion_that_differs_in_that_joint():
+    motion, more = _motion(), np.random.default_rng(4).normal(size=(3, 9))
+    q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
+    for each, own in zip((q, dq, ddq), more, strict=True):
+        each[:, 1] += own
+    swept = Swept.of(motion)
+    found = swept.with_joint(1, more)
+    expected = Swept.of(replace(motion, q=q, dq=dq, ddq=ddq))
+    np.testing.assert_array_equal(found.signals, expected.signals)
+    np.testing.assert_array_equal(found.q, q)
+    np.testing.assert_array_equal(swept.signals, Swept.of(motion).signals)  # left as it is
 
 
 def test_a_sensor_tells_the_tool_from_the_link_before_it():

@@ -52,6 +52,16 @@ class MotionImport:
     quaternion: float = 0.01  # judgement: of its length; files write four decimals, other numbers are farther off
     longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
+    leap_m: float = 0.06  # measured: by which a step of a marker differs from those beside it; recordings 5 cm at most
+    jerk_m_per_s3: float = 2000.0  # judgement: of a foot that runs; of one that walks 390 were measured
+    most_leap: float = 0.5  # judgement: of what is seen in both frames; the body is elsewhere, and not a marker
+    held_frames: int = 2  # frames that repeat the one before: one does so by chance where numbers are rounded
+    held_m: float = 0.02  # judgement: by which the others of its part move meanwhile; a foot turns about one that rests
+    fast_m_per_s2: float = 20.0  # measured: rms of a point of the trunk; recordings 5, ten times as fast 37
+    fast_s: float = 0.05
+    usual_hz: tuple[float, float] = (20.0, 1000.0)  # judgement: cameras and suits run at 24 to 500
+    crossed: float = 0.9  # judgement: of frames in which a left point lies to the right of its fellow; legs cross too
+    apart_m: float = 0.03  # judgement: two that are nearer say not which is left
 
 
 USUAL = MotionImport()

@@ -21,6 +21,7 @@ from exogauge.identification.thinned import at_all, thinned
 from exogauge.identification.type_b import TypeB
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot, drifts_in_doubt
+from exogauge.robots.row_blocks import Swept
 from exogauge.robots.rows import RowType
 from exogauge.side_by_side import each as side_by_side
 
@@ -83,11 +84,14 @@ def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutof
         columns[:, places[name]] = response(equations, cutoff_hz, phi, prepared, change)[at]
     samples = prepared.motion.samples
     few = thinned(samples, prepared.log.rate_hz, cutoff_hz)
-    some, unit = at if len(at) <= len(few) else few, np.tile([1.0, 0.0, 0.0], (samples, 1))
-    for number, joint in enumerate(robot.joints):
-        if (name := f"{ENCODER}.{joint.name}") in places:
-            found = read_wrongly(equations, phi, prepared, some, number, -STEP, STEP, unit)
-            columns[:, places[name]] = found if some is at else at_all(samples, few, found)[at]
+    encoders = {number: place for number, joint in enumerate(robot.joints)
+                if (place := places.get(f"{ENCODER}.{joint.name}")) is not None}  # fmt: skip
+    if encoders:
+        some = at if len(at) <= len(few) else few
+        swept, unit = Swept.of(prepared.motion.rows(some)), np.tile([1.0, 0.0, 0.0], (len(some), 1))
+        for number, place in encoders.items():
+            found = read_wrongly(equations, phi, swept, prepared.wrenches[some], number, -STEP, STEP, unit)
+            columns[:, place] = found if some is at else at_all(samples, few, found)[at]
     return columns
 
 

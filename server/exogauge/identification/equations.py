@@ -27,7 +27,7 @@ from exogauge.robots.cuts import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import BaseParameters
-from exogauge.robots.row_blocks import BodyLoads, RowBlocks
+from exogauge.robots.row_blocks import BodyLoads, RowBlocks, Swept
 from exogauge.robots.rows import RowLayout, RowType
 
 Array = NDArray[np.float64]
@@ -325,7 +325,7 @@ class Equations:
                 residual[chunk.samples, self.layout.moving(chunk.kind)] = chunk.residual(x)
         return residual
 
-    def of_bodies(self, motion: Motion, phi: Array, of: slice = EVERY) -> Array:
+    def of_bodies(self, motion: Motion | Swept, phi: Array, of: slice = EVERY) -> Array:
         """(T, n, ...) Y φ of the told rows `of`. phi: (B, ...) base parameters, one set or several."""
         found = self._loads.of(motion, phi.reshape(len(phi), -1))[:, of]
         return np.ascontiguousarray(found.transpose(2, 1, 0)).reshape(motion.samples, -1, *phi.shape[1:])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -88,7 +88,14 @@ def identify(
     predictions, validation, steady = _validate(made, recordings, (identified, before), known_floors, progress)
     condition, rank = solution.solved.condition_and_rank()
     hardly = hardly_sliding(equations.robot, fitted, settings.criteria)
-    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, hardly, factor.known)
+    gains = solution.gains.columns + (len(standard) - equations.size)
+    but_for_scale = covariance if factor.known else given_the_scale(covariance, gains, standard)
+    parameters = describe(equations, solution, standard, covariance, but_for_scale, hardly)
+    unidentifiable = tuple(
+        each.name for each in parameters if not each.identifiable and not each.name.startswith(PREFIX)
+    )
+    if not factor.known:
+        parameters = tuple(replace(each, identifiable=False) for each in parameters)
     feet = settings.criteria.identifying.feet_against_mass
     weighed = total_mass(equations.robot, solution.prior, standard, covariance, feet)
     parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
@@ -100,7 +107,7 @@ def identify(
         phi=identified.phi,
         joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
         parameters=parameters,
-        unidentifiable=_unidentifiable(equations, solution, standard, covariance, hardly, factor),
+        unidentifiable=unidentifiable,
         validation=validation,
         predictions=predictions,
         consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
@@ -286,21 +293,6 @@ def _cutoff(
     held_out = [recording.log for recording in recordings if recording.held_out]
     judged = max(held_out, key=lambda log: log.samples, default=None)
     return stated or choose_cutoff(equations.robot, fitted_logs, slowest_hz, partial(quick_fit, equations, judged))
-
-
-def _unidentifiable(
-    equations: Equations,
-    solution: Solution,
-    standard: Array,
-    covariance: Array,
-    hardly: Collection[str],
-    factor: CommonFactor,
-) -> tuple[str, ...]:
-    """Names of what would stay open if the common factor were known; what was weighed is not asked for."""
-    gains = solution.gains.columns + (len(standard) - equations.size)
-    but_for_scale = covariance if factor.known else given_the_scale(covariance, gains, standard)
-    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, hardly, True)
-    return tuple(each.name for each in decided if not each.identifiable and not each.name.startswith(PREFIX))
 
 
 def _prepared_alike(extension: Extension | None, robot: Robot, cutoff_hz: float, at_rest: RestDetection) -> PerLog:

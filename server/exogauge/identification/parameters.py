@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.result import Parameter
-from exogauge.identification.static_friction import Sticking
+from exogauge.identification.solution import Solution
 from exogauge.identification.type_b import ROBOT
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import parameter_names, parameter_units, unit_at
@@ -21,20 +21,19 @@ Array = NDArray[np.float64]
 
 def describe(
     equations: Equations,
-    prior: Prior,
+    solution: Solution,
     standard: Array,
     covariance: Array,
-    sticking: Sticking,
+    but_for_scale: Array,
     hardly_sliding: Collection[str],
-    known_scale: bool,
 ) -> tuple[Parameter, ...]:
     """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth.
 
-    known_scale: without it the data identify nothing by itself.
-    sticking: static friction has its std from there, and is not identifiable where it is only a lower bound.
-    hardly_sliding: joints whose friction is that of a gear that gives way, so that nothing of theirs is identifiable.
+    but_for_scale: (S, S) the same where the common factor is known, which decides what is identifiable. Static friction
+    has its std from what sticks, and is not identifiable where it is only a lower bound. hardly_sliding: joints whose
+    friction is that of a gear that gives way, so that nothing of theirs is identifiable.
     """
-    robot, effects = equations.robot, equations.effects
+    robot, effects, prior, sticking = equations.robot, equations.effects, solution.prior, solution.sticking
     names = list(parameter_names(robot.tree))
     units = list(parameter_units(robot.tree))
     for joint in robot.joints:
@@ -43,9 +42,9 @@ def describe(
     for column in equations.added:
         names.append(f"{column.name}[{column.place}]")
         units.append(column.coefficient.unit)
-    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    for i, name in enumerate(names):
-        std[i] = min(std[i], sticking.std.get(name, np.inf))
+    known_otherwise = np.array([sticking.std.get(name, np.inf) for name in names])
+    std, asked = (np.minimum(np.sqrt(np.maximum(np.diag(each), 0.0)), known_otherwise)
+                  for each in (covariance, but_for_scale))  # fmt: skip
     decided = equations.criteria.identifying.decided
     doubtful = {f"tau_s[{joint}]" for joint in sticking.lower_bounds}
     open_joints = {*hardly_sliding, *(joint.name for joint in robot.joints if joint.actuation == "none")}
@@ -59,16 +58,15 @@ def describe(
             prior=float(prior.mean[i]),
             prior_std=float(prior.std[i]),
             identifiable=bool(
-                known_scale
-                and prior.std[i] > 0.0
-                and std[i] <= decided * prior.std[i]
+                prior.std[i] > 0.0
+                and asked[i] <= decided * prior.std[i]
                 and name not in doubtful
                 and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in open_ends))
             ),
         )
         for i, name in enumerate(names)
     ]
-    return (*single, *_base_parameters(equations, prior, standard, covariance, names, units, known_scale))
+    return (*single, *_base_parameters(equations, prior, standard, (covariance, but_for_scale), names, units))
 
 
 def with_parts(parameters: Sequence[Parameter], declared: Mapping[str, Array]) -> tuple[Parameter, ...]:
@@ -112,19 +110,19 @@ def _base_parameters(
     equations: Equations,
     prior: Prior,
     standard: Array,
-    covariance: Array,
+    covariances: tuple[Array, Array],
     names: list[str],
     units: list[str],
-    known_scale: bool,
 ) -> list[Parameter]:
-    """The combinations of inertial parameters that the equations see, named after their leading one."""
+    """The combinations of inertial parameters that the equations see, named after their leading one. covariances: as
+    they are, and but for the scale."""
     base, size = equations.base, equations.robot.tree.phi.size
     result, decided = list[Parameter](), equations.criteria.identifying.decided
     for row, leading in zip(base.regroup, base.columns, strict=True):
         used = np.flatnonzero(row)
-        variance = float(row[used] @ covariance[np.ix_(used, used)] @ row[used])
+        std, asked = (float(np.sqrt(max(float(row[used] @ each[np.ix_(used, used)] @ row[used]), 0.0)))
+                      for each in covariances)  # fmt: skip
         prior_std = float(np.sqrt(np.sum((row[used] * prior.std[used]) ** 2)))
-        std = float(np.sqrt(max(variance, 0.0)))
         result.append(
             Parameter(
                 name=f"base[{names[leading]}]",
@@ -133,7 +131,7 @@ def _base_parameters(
                 unit=units[leading],
                 prior=float(row @ prior.mean[:size]),
                 prior_std=prior_std,
-                identifiable=known_scale and std <= decided * prior_std,
+                identifiable=asked <= decided * prior_std,
                 combination={names[j]: float(row[j]) for j in used},
             )
         )

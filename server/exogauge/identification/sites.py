@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -24,6 +24,7 @@ from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
+from exogauge.robots.row_blocks import Swept
 from exogauge.robots.rows import RowType
 from exogauge.robots.tree import RigidTree
 
@@ -211,32 +212,39 @@ class EncoderSite:
         layout = model.equations.layout
         time, position = prepared.log.time - prepared.log.time[0], prepared.motion.q[:, self.joint]
         signals = EncoderSignals(time, position, _nothing_moves_before(model.robot, self.joint))
-        own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
-        phi = model.bodies_in(prepared.log.recording)
-        slopes = dict[int, Array]()
+        own, held = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
+        phi, samples = model.bodies_in(prepared.log.recording), prepared.motion.samples
+        at = thinned(samples, prepared.log.rate_hz, model.cutoff_hz)
+        swept = model.prepared.of(prepared.log, "swept", lambda: Swept.of(prepared.motion.rows(at)))
+        place = {told: place for place, told in enumerate(own)}
+        slopes = dict[int, list[tuple[int, Array]]]()
 
-        at = thinned(prepared.motion.samples, prepared.log.rate_hz, model.cutoff_hz)
-
-        def moved(low: float, high: float, error: Array) -> Array:
-            found = read_wrongly(model.equations, phi, prepared, at, self.joint, low, high, error)
-            return at_all(prepared.motion.samples, at, found)
+        def moved(low: float, high: float, error: Array) -> list[tuple[int, Array]]:
+            """Place of each of the site's kinds that feels it, and (T,) what."""
+            wrenches = prepared.wrenches[at]
+            found = read_wrongly(model.equations, phi, swept, wrenches, self.joint, low, high, error[at])[:, own]
+            live = np.flatnonzero(found.any(axis=0))
+            return list(zip(live.tolist(), at_all(samples, at, found[:, live]).T, strict=True))
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
-            names, rows = [each.name for each in effect.coefficients], []
-            for name, error in zip(names, effect.errors(signals, shape).T, strict=True):
-                size, read = found.get(name, 0.0), _with_rates(error, prepared.log.rate_hz)
+            out = np.zeros((len(effect.coefficients), len(own), samples))
+            for one, error, rows in zip(effect.coefficients, effect.errors(signals, shape).T, out, strict=True):
+                size, read = held.get(one.name, 0.0), _with_rates(error, prepared.log.rate_hz)
                 if abs(size) > STEP:
-                    row = moved(0.0, size, read)[:, own]
+                    for kind, row in moved(0.0, size, read):
+                        rows[kind] = row
                 else:
-                    row = np.zeros((len(error), len(own)))
                     for order in np.flatnonzero(read.any(axis=0)).tolist():
                         if order not in slopes:  # of the angle, its rate, that one's: every error goes along them
                             unit = np.zeros_like(read)
                             unit[:, order] = 1.0
-                            slopes[order] = moved(-STEP, STEP, unit)[:, own]
-                        row += slopes[order] * read[:, [order]]
-                rows.append(row + _of_drive(model, self.joint, read)[:, own])
-            return np.stack(rows, axis=1)
+                            slopes[order] = moved(-STEP, STEP, unit)
+                        for kind, slope in slopes[order]:
+                            rows[kind] += slope * read[:, order]
+                for told, row in _of_drive(model, self.joint, read):
+                    if told in place:
+                        rows[place[told]] += row
+            return out.transpose(2, 0, 1)
 
         return Seen(signals, columns)
 
@@ -264,19 +272,19 @@ def _with_rates(error: Array, rate_hz: float) -> Array:
     return np.stack([error, differentiate(error, rate_hz), differentiate_twice(error, rate_hz)], axis=1)
 
 
-def _of_drive(model: RobotModel, joint: int, error: Array) -> Array:
-    """(T, told rows) what friction and rotor take off the axes' rows per unit of an error (T, 3) of a joint's angle."""
-    rows = np.zeros((len(error), len(model.equations.layout.told)))
+def _of_drive(model: RobotModel, joint: int, error: Array) -> Iterator[tuple[int, Array]]:
+    """Told rows of axes, and (T,) what friction and rotor take off each per unit of an error (T, 3) of a joint's
+    angle."""
     if not error[:, 1:].any():
-        return rows
+        return
     still = np.zeros(len(error))
     for axis, share in enumerate(model.robot.axes_from_joints[:, joint]):
         if share:
-            none = JointSignals(still, still, still, still, still, still)
+            none, row = JointSignals(still, still, still, still, still, still), np.zeros(len(error))
             moved = replace(none, velocity=share * error[:, 1], acceleration=share * error[:, 2])
             for effect, size in zip(model.equations.effects, model.identified.xi[axis], strict=True):
-                rows[:, model.equations.layout.told.axis(axis)] += size * (effect.column(moved) - effect.column(none))
-    return rows
+                row += size * (effect.column(moved) - effect.column(none))
+            yield model.equations.layout.told.axis(axis), row
 
 
 @final
@@ -458,24 +466,15 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
 
 
 def read_wrongly(
-    equations: Equations,
-    phi: Array,
-    prepared: Prepared,
-    at: IntArray,
-    joint: int,
-    low: float,
-    high: float,
-    error: Array,
+    equations: Equations, phi: Array, swept: Swept, wrenches: Array, joint: int, low: float, high: float, error: Array
 ) -> Array:
-    """(n, told rows) what an error of a joint's angle, with its rate and the rate of that (T, 3), takes off each at
-    these samples per unit, from `low` to `high` times it: as large as it is held to be it is whole there, and no slope.
-    phi: (B,) base parameters.
+    """(n, told rows) what an error of a joint's angle, with its rate and the rate of that (n, 3), takes off each of n
+    samples per unit, from `low` to `high` times it: as large as it is held to be it is whole there, and no slope.
+    phi: (B,) base parameters. swept: what was read. wrenches: (n, S, 6) at the contact sensors.
 
     No row feels the angle but by what the links beyond it weigh, and by what acts on feet beyond it.
     """
-    tree, m = equations.robot.tree, prepared.motion.rows(at)
-    way = np.zeros((3, len(at), len(equations.robot.joints)))
-    way[:, :, joint] = error[at].T
+    tree, way = equations.robot.tree, error.T
     turned_by_it = subtree(tree)[int(np.flatnonzero(tree.dof == joint)[0])]
     beyond = np.where(turned_by_it[equations.base.columns // 10], phi, 0.0)
     feet = [tree.frames[each.frame][0] for each in equations.robot.contacts]
@@ -483,10 +482,10 @@ def read_wrongly(
     rows_of_feet = slice(0, equations.layout.told.axes.stop)
 
     def rows(step: float) -> Array:
-        q, dq, ddq = (each + step * own for each, own in zip((m.q, m.dq, m.ddq), way, strict=True))
-        found = equations.of_bodies(Motion(q, dq, ddq, m.acc, m.gyro, m.gyro_dot), beyond)
+        moved = swept.with_joint(joint, step * way)
+        found = equations.of_bodies(moved, beyond)
         if bears:
-            found[:, rows_of_feet] -= equations.acting_at(q, prepared.wrenches[at])
+            found[:, rows_of_feet] -= equations.acting_at(moved.q, wrenches)
         return found
 
     return np.asarray((rows(low) - rows(high)) / (high - low))

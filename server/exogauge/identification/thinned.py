@@ -18,6 +18,6 @@ def at_all(samples: int, at: NDArray[np.intp], values: NDArray[np.float64]) -> N
     """(samples, K) by a cubic spline through values (n, K) at these samples; where they are zero, zero."""
     if len(at) == samples:
         return values
-    found, live = np.zeros((samples, values.shape[1])), values.any(axis=0)
+    found, live = np.zeros((values.shape[1], samples)).T, values.any(axis=0)
     found[:, live] = scipy.interpolate.CubicSpline(at, values[:, live])(np.arange(samples))
     return found

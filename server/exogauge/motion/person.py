@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from exogauge.criteria.motion_fit import USUAL as FIT
 from exogauge.criteria.motion_import import USUAL
 from exogauge.errors import BadMotion, Fault
+from exogauge.logs.findings import runs
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.human import Contacts, HumanMotion, JointTree
+from exogauge.motion.leaps import leaps_of
 from exogauge.motion.sides import refuse_exchanged
 from exogauge.robots.moving.segments import Segment
 
@@ -26,6 +29,7 @@ PARTS: tuple[Segment, ...] = ("pelvis", "thorax", "head")
 BESIDE: tuple[tuple[Segment, Segment, int], ...] = (  # at rest the head lies above the chest, arms on its sides
     ("thorax", "head", 2), ("r_upper_arm", "l_upper_arm", 1),
 )  # fmt: skip
+ARM = 0.5  # m, a trunk's length: at its end a turn shows as a way
 CARRIED: Mapping[Segment, tuple[Segment, Segment, Segment]] = {  # on the left, on the right, above
     "pelvis": ("l_thigh", "r_thigh", "thorax"), "thorax": ("l_upper_arm", "r_upper_arm", "head"),
 }  # fmt: skip
@@ -36,7 +40,8 @@ CARRIED: Mapping[Segment, tuple[Segment, Segment, Segment]] = {  # on the left, 
 class Person:
     """time: (T,) [s]. pelvis: (T, 3) [m] and turn: (T, 3, 3), world from pelvis. trunk: (T, 3, 3), pelvis from thorax.
     limbs: unit vectors (T, 3) along a segment, seen from the thorax. hip_height: [m] of the hips over the ankles when
-    upright. feet: where known, (T, 2, 3) [m] of the left and the right foot in the world."""
+    upright. feet: where known, (T, 2, 3) [m] of the left and the right foot in the world. lost: where known, (T,) in
+    which nothing is seen of pelvis or of thorax."""
 
     name: str
     time: Array
@@ -48,6 +53,7 @@ class Person:
     contacts: Contacts | None = None
     told: Mapping[str, str] = field(default_factory=dict)
     feet: Array | None = None
+    lost: NDArray[np.bool_] | None = None
 
     def cut(self, begin: float, end: float) -> Person:
         """From `begin` to `end` [s]."""
@@ -55,12 +61,34 @@ class Person:
         if kept.sum() < 2:
             raise BadMotion(Fault(f"nothing is left between {begin:g} and {end:g} s", "empty_cut",
                                   f"The motion lasts {self.time[-1]:g} s", self.name))  # fmt: skip
+        self._refuse_what_is_none(kept)
         contacts = self.contacts and Contacts(self.contacts.left[kept], self.contacts.right[kept])
         return replace(
             self, time=self.time[kept] - self.time[kept][0], pelvis=self.pelvis[kept], turn=self.turn[kept],
             trunk=self.trunk[kept], limbs={part: along[kept] for part, along in self.limbs.items()}, contacts=contacts,
             feet=None if self.feet is None else self.feet[kept],
+            lost=None if self.lost is None else self.lost[kept],
         )  # fmt: skip
+
+    def _refuse_what_is_none(self, kept: NDArray[np.bool_]) -> None:
+        """Raises BadMotion where, of what is kept (T,), pelvis or chest leap from a frame to the next or are not seen
+        for long."""
+        time = self.time[kept]
+        rate = float((len(time) - 1) / (time[-1] - time[0]))
+        ahead = self.pelvis + ARM * self.turn[..., 0]
+        chest = self.pelvis + ARM * (self.turn @ self.trunk)[..., 2]
+        points = np.stack([self.pelvis, ahead, chest], axis=1)[kept]
+        for n, leap in sorted(leaps_of(points, rate, range(3)).items()):
+            t = int(np.linalg.norm(leap, axis=1).argmax())
+            detail = f"is {np.linalg.norm(leap[t]):.2g} m elsewhere from {time[t]:.2f} s to the next frame"
+            raise BadMotion(Fault(detail, "leap", "Cut the motion there, or mend it where it was captured", self.name,
+                                  column="chest" if n == 2 else "pelvis"))  # fmt: skip
+        lost = np.zeros(len(time), dtype=bool) if self.lost is None else self.lost[kept]
+        for start, length in zip(*runs(lost), strict=True):
+            if length > FIT.guessed_s * rate:
+                when = f"{time[start]:.2f} to {time[start + length - 1]:.2f} s"
+                detail = f"nothing is seen of the pelvis or of the thorax {when}"
+                raise BadMotion(Fault(detail, "gaps", "Cut the motion where both are seen", self.name))
 
     def slowed(self, factor: float) -> Person:
         """The same in `factor` times the time."""
@@ -203,7 +231,7 @@ def person_of_fit(fit: HumanFit, contacts: Contacts | None = None) -> Person:
     leg = sum((float(np.linalg.norm(place[b][0] - place[a][0])) for a, b in bones), 0.0)  # type: ignore[index]
     trunk = np.einsum("tji,tjk->tik", turn, thorax)
     return Person(fit.name, fit.time, place["pelvis"], turn, trunk, limbs, leg, contacts, fit.told,
-                  np.stack([place["l_foot"], place["r_foot"]], axis=1))  # fmt: skip
+                  np.stack([place["l_foot"], place["r_foot"]], axis=1), fit.lost)  # fmt: skip
 
 
 def bones_of(tree: JointTree) -> dict[Segment, int]:

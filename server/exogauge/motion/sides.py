@@ -1,4 +1,4 @@
-"""Whether a person's left is on the left: toes point ahead of hips whose left side is named."""
+"""Whether a person's left is on the left: toes point ahead of hips whose left side is named, and all names agree."""
 
 from __future__ import annotations
 
@@ -13,11 +13,74 @@ from exogauge.motion.human import HumanMotion, JointTree, Markers
 Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 DOUBT = "toes point behind the hips"
+FEWEST = 3  # pairs of which two outvote one
 WHY = "Left and right are exchanged in the names, or one axis of the file points the other way"
 
 
-def exchanged(motion: HumanMotion) -> bool:
-    """Whether toes point behind the hips, as where left and right are exchanged or one axis points the other way."""
+def sides_doubt(motion: HumanMotion) -> str | None:
+    """Why left is not left: toes point behind the hips, as where the names of all are exchanged or one axis points the
+    other way; or some names are exchanged against the others."""
+    if _behind(motion):
+        return f"{DOUBT}. {WHY}"
+    crossed = _crossed(motion)
+    return None if not crossed else (f"left lies to the right of {', of '.join(crossed)}, unlike the rest: left and "
+                                     "right are exchanged in these names")  # fmt: skip
+
+
+def _crossed(motion: HumanMotion) -> list[str]:
+    """Pairs whose left one lies to the right, against what the others say, in nearly all frames."""
+    pairs = _pairs_of_bones(motion.tree) if motion.tree is not None else _pairs_of_markers(motion.markers)
+    way = {names: left - right for names, (left, right) in pairs.items()}
+    for each in way.values():
+        each[:, 2] = 0.0
+        each[np.linalg.norm(each, axis=1) < USUAL.apart_m] = np.nan
+        each /= np.linalg.norm(each, axis=1, keepdims=True)
+    if len(way) < FEWEST:
+        return []
+    all_ways = np.sum([np.nan_to_num(each) for each in way.values()], axis=0)
+    found = []
+    for names, own in way.items():
+        known = np.isfinite(own[:, 0])
+        others = all_ways[known] - own[known]
+        size = np.linalg.norm(others, axis=1)
+        against = np.sum(own[known] * others, axis=1) < -USUAL.level * size
+        if known.any() and (against & (size > 1.0)).mean() > USUAL.crossed:
+            found.append(names)
+    return found
+
+
+def _pairs_of_bones(tree: JointTree) -> dict[str, tuple[Array, Array]]:
+    bone: dict[str, str] = {part: name for name, part in reversed(list(tree.segment.items()))}
+    at, found = tree.position, dict[str, tuple[Array, Array]]()
+    for part, name in bone.items():
+        other = bone.get(f"r_{part[2:]}") if part.startswith("l_") and not part.endswith("hand") else None
+        if other is not None:
+            found[f"{name} and {other}"] = (at[:, tree.names.index(name)], at[:, tree.names.index(other)])
+    return found
+
+
+def _pairs_of_markers(markers: Markers | None) -> dict[str, tuple[Array, Array]]:
+    """Those of known places that lie alike on both sides; hands cross, and are left out."""
+    if markers is None:
+        return {}
+    left, right = dict[tuple[str, object], int](), dict[tuple[str, object], int]()
+    for m, label in enumerate(markers.labels):
+        part = markers.segment.get(label, "")
+        place = place_of(label, part)
+        if place is None or part.endswith(("hand", "forearm")):
+            continue
+        x, y, z = place[0]
+        whole = part.removeprefix("l_").removeprefix("r_")
+        on_left = y > 0.0 if part == whole else part.startswith("l_")
+        if y or part != whole:
+            side, inwards = (left, y) if on_left else (right, -y)
+            side.setdefault((whole, (x, inwards, z)), m)
+    at = markers.position
+    return {f"{markers.labels[m]} and {markers.labels[right[key]]}": (at[:, m], at[:, right[key]])
+            for key, m in left.items() if key in right}  # fmt: skip
+
+
+def _behind(motion: HumanMotion) -> bool:
     seen = _tree(motion.tree) if motion.tree is not None else None
     left, ways = seen or (_markers(motion.markers) if motion.markers is not None else (np.zeros((1, 3)), []))
     behind = [share for ahead in ways if (share := _ahead(left, ahead)) is not None]
@@ -34,8 +97,9 @@ def _ahead(left: Array, along: Array) -> float | None:
 
 def refuse_exchanged(motion: HumanMotion) -> None:
     """Raises BadMotion."""
-    if exchanged(motion):
-        raise BadMotion(Fault(DOUBT, "mirrored", f"{WHY}: export it again, right-handed", motion.name))
+    if (doubt := sides_doubt(motion)) is not None:
+        advice = "Correct the names, or export it again, right-handed"
+        raise BadMotion(Fault(doubt, "mirrored", advice, motion.name))
 
 
 def _tree(tree: JointTree) -> tuple[Array, list[Array]]:

@@ -80,9 +80,9 @@ class RowBlocks:
         from exogauge.loops.rows import fill_rows
 
         first = np.cumsum([0, *(block.shape[1] for block in blocks)], dtype=np.int64)
-        signals, base = signals_of(motion)
+        swept = Swept.of(motion)
         fill_rows(self.tree.floating, *self._tree, *self._kept, *self._segments,
-                  signals, base, AXES, ENTRIES, first, whole)  # fmt: skip
+                  swept.signals, swept.base, AXES, ENTRIES, first, whole)  # fmt: skip
         return blocks
 
 
@@ -95,15 +95,42 @@ def tree_arrays(of: Kinematics) -> TreeArrays:
     return tree.parent.astype(np.int64), dof, tree.prismatic, E_0, E_c, E_s, *fixed
 
 
-def signals_of(motion: Motion) -> tuple[Array, Array]:
-    """(5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that of bodies without one; (9, T) acc, gyro, gyro_dot."""
-    base = np.asfortranarray(np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T]))  # as it is compiled for
-    signals = np.zeros((5, motion.q.shape[1] + 1, len(motion.q)))
-    for place, x in ((0, motion.q), (3, motion.dq), (4, motion.ddq)):
-        signals[place, :-1] = x.T
-    np.cos(signals[0], out=signals[1])
-    np.sin(signals[0], out=signals[2])
-    return signals, base
+@final
+@dataclass(frozen=True)
+class Swept:
+    """What the compiled sweeps take of a motion. signals: (5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that
+    of bodies without one. base: (9, T) acc, gyro, gyro_dot."""
+
+    signals: Array
+    base: Array
+
+    @classmethod
+    def of(cls, motion: Motion) -> Swept:
+        base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
+        signals = np.zeros((5, motion.q.shape[1] + 1, len(motion.q)))
+        for place, x in ((0, motion.q), (3, motion.dq), (4, motion.ddq)):
+            signals[place, :-1] = x.T
+        np.cos(signals[0], out=signals[1])
+        np.sin(signals[0], out=signals[2])
+        return cls(signals, np.asfortranarray(base))  # as it is compiled for
+
+    def with_joint(self, joint: int, more: Array) -> Swept:
+        """The same but for one joint: more (3, T) is added to its position, its rate and the rate of that."""
+        signals = self.signals.copy()
+        own = signals[:, joint]
+        own[[0, 3, 4]] += more
+        np.cos(own[0], out=own[1])
+        np.sin(own[0], out=own[2])
+        return Swept(signals, self.base)
+
+    @property
+    def samples(self) -> int:
+        return int(self.base.shape[1])
+
+    @property
+    def q(self) -> Array:
+        """(T, J)."""
+        return np.ascontiguousarray(self.signals[0, :-1].T)
 
 
 def ready_blocks(
@@ -234,7 +261,7 @@ class BodyLoads:
             np.array([pose.translation for _, pose in places]).reshape(-1, 3),
         )  # fmt: skip
 
-    def of(self, motion: Motion, phi: Array) -> Array:
+    def of(self, motion: Motion | Swept, phi: Array) -> Array:
         """(L, rows, T) of each of L parameter sets: six base rows when floating, actuator axes, six for each sensor.
 
         phi: (B, L).
@@ -247,8 +274,8 @@ class BodyLoads:
         live: NDArray[np.bool_] = np.any(sets != 0.0, axis=2)
         out = np.empty((len(sets), 6 + self._joints + 6 * len(self._sensors[0]), motion.samples))
         if motion.samples:
-            signals, base = signals_of(motion)
-            fill_loads(*self._tree, sets, live, *self._sensors, signals, base, AXES, out)
+            swept = motion if isinstance(motion, Swept) else Swept.of(motion)
+            fill_loads(*self._tree, sets, live, *self._sensors, swept.signals, swept.base, AXES, out)
         if self._mixed:
             joints = out[:, 6 : 6 + self._joints]
             joints[:] = self._to_axes @ joints

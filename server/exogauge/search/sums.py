@@ -41,10 +41,11 @@ class KindSums:
 
     def add(self, A: Array, c: Array, e: Array) -> None:
         """A: (n, k). c: (n, C). e: (n,) y - A x."""
-        self.cross -= c.T @ A
-        self.own += c.T @ c
-        self.with_residual -= c.T @ e
         self.rows += len(e)
+        if c.any():  # few rows feel what one joint's encoder reads
+            self.cross -= c.T @ A
+            self.own += c.T @ c
+            self.with_residual -= c.T @ e
 
     def join(self, other: KindSums) -> None:
         """Take in the rows of another log."""
@@ -55,6 +56,8 @@ class KindSums:
 
     def chosen(self, which: IntArray) -> KindSums:
         """Of the columns `which`, each as often as it is named; one beyond the last is nothing."""
+        if np.array_equal(which, np.arange(len(self.own))):
+            return self
         cross, own, with_residual = (np.pad(each, (0, 1)) for each in (self.cross, self.own, self.with_residual))
         return KindSums(cross[which, :-1], own[np.ix_(which, which)], with_residual[which], self.rows)
 

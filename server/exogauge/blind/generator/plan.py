@@ -20,6 +20,7 @@ CURRENT = 0.7  # share of arms that log currents, the others torques
 WITH_TEMPERATURE = 0.7
 ROBOTS = {"arm6": (ARM,), "torso8": (TORSO,), "both": (ARM, TORSO)}
 STANDING = "humanoid"  # a robot on two feet: `standing`
+NOTHING = "nothing"  # asked for: a case to hide something of one's own in
 TORSOS = 0.35  # share of cases with the upper body where there are both, beside those that need bands
 CALIBRATED = 0.5  # share of robots whose maker has measured k_T
 FAINT, VISIBLE, STRONG = 1.0, 3.0, 8.0  # times the noise floor: of the unabsorbed part of a hidden effect
@@ -63,7 +64,7 @@ def plan_case(seed: int, number: int, robots: str = "both", effects: tuple[str, 
     kinds = _block(seed, block, possible(robots, effects), clean=not effects)[place]
     rng = stream(seed, f"plan {number}")
     ratios = tuple(_ratio(rng, visible=len(kinds) > 1) for _ in kinds)
-    clutter = bool(rng.uniform() < CLUTTERED)
+    clutter = bool(rng.uniform() < CLUTTERED) and bool(kinds or not effects)
     actuation = "current" if rng.uniform() < CURRENT else "torque"
     temperature = bool(rng.uniform() < WITH_TEMPERATURE) or "thermal_viscous" in kinds
     k_T = "calibrated" if rng.uniform() < CALIBRATED or "kt_gain" in kinds else "data sheet"
@@ -81,17 +82,18 @@ def can_be_asked_for(robots: str) -> tuple[str, ...]:
     """What `effects` may name."""
     if robots == STANDING:
         return kinds_known()
-    return (*possible(robots), *possible(robots, ON_REQUEST))
+    return (*possible(robots), *possible(robots, ON_REQUEST), NOTHING)
 
 
 def _block(seed: int, block: int, names: tuple[str, ...], clean: bool) -> list[tuple[str, ...]]:
     """What the `BLOCK` cases of one block hide: every sort equally often, up to one. clean: some hide nothing, some
-    two, in random order; otherwise each hides one, in turn."""
+    two, in random order; otherwise each hides one, in turn, or `NOTHING`."""
     rng = stream(seed, f"block {block}")
     among = [name for name in names if name != IN_LOGS]
     single = BLOCK - CLEAN - PAIRS if clean else BLOCK
     start = block * single  # goes on where the block before ended
-    cases: list[tuple[str, ...]] = [(names[(start + n) % len(names)],) for n in range(single)]
+    turns = [names[(start + n) % len(names)] for n in range(single)]
+    cases: list[tuple[str, ...]] = [() if name == NOTHING else (name,) for name in turns]
     if not clean:
         return cases
     cases += [tuple(str(name) for name in rng.choice(among, 2, replace=False)) for _ in range(PAIRS)]

@@ -13,15 +13,17 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
 from exogauge.motion.files.captured import AXES, METRES, STILL, Captured, even_time, fault
-from exogauge.motion.human import HumanMotion, Markers
+from exogauge.motion.human import HumanMotion, JointTree, Markers
+from exogauge.motion.leaps import leap_of_bones, rate_doubt, sort_out
 from exogauge.motion.presets import carried_by, recognise, subjects
-from exogauge.motion.sides import DOUBT, WHY, exchanged
+from exogauge.motion.sides import sides_doubt
 from exogauge.robots.moving.segments import Segment
 from exogauge.stand_ins import stands_in
 
 Array = NDArray[np.float64]
 FORMATS = "C3D, TRC, TSV of Qualisys, CSV of Motive, of Nexus or plain, MVNX, MOT, STO, BVH or AMC"
 TABLES = (".csv", ".tsv", ".txt")
+CAPTURES = (".c3d", ".trc", *TABLES, ".mvnx", ".mot", ".sto", ".bvh", ".amc")
 ELSEWHERE = {
     ".mvn": "Xsens MVN exports MVNX and BVH of the same take",
     ".v .xlsx .xls .ods": "Vicon, OptiTrack and Qualisys export C3D of the same take",
@@ -45,12 +47,13 @@ def open_motion(
     subject: the prefix of one of several people. names: own label or bone -> the name it is known by. `told`: format,
     unit, up, prefix, preset, unknown, left_out, far_away, duplicates, unit_doubt, renamed, as far as there is one.
     """
-    if not path.is_file():
-        raise fault(path, "there is no such file", "no_file", "Look at its name")
+    for each in (path, *([] if skeleton is None else [skeleton])):
+        if each.is_dir():
+            raise fault(each, "is a folder", "a_folder", _files_in(each, CAPTURES if each is path else (".asf",)))
+        if not each.is_file():
+            raise fault(each, "there is no such file", "no_file", "Look at its name")
     if path.stat().st_size > USUAL.most_bytes:
         raise fault(path, "the file is too large", "too_large", "Cut the motion", value=f"{path.stat().st_size} bytes")
-    if skeleton is not None and not skeleton.is_file():
-        raise fault(skeleton, "there is no such file", "no_file", "Look at the name of the skeleton")
     for each in (path, *([skeleton] if skeleton is not None else [])):
         if other := stands_in(_head(each)):
             raise fault(each, f"is {other[0]}", "stands_in", other[1])
@@ -63,6 +66,14 @@ def open_motion(
     if isinstance(captured, HumanMotion):
         return captured
     return _canonical(path, _renamed(path, _one_person(path, captured, subject), names or {}), up, unit)
+
+
+def _files_in(folder: Path, kinds: tuple[str, ...]) -> str:
+    """Advice: which of its files may be meant."""
+    found = sorted(each.name for each in folder.iterdir() if each.suffix.lower() in kinds)
+    if not found:
+        return f"Name a file; it holds no {', '.join(kinds)}"
+    return f"Name a file in it: {', '.join(found[:5])}{' …' if len(found) > 5 else ''}"
 
 
 def _head(path: Path) -> bytes:
@@ -169,6 +180,7 @@ def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captur
 
 def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None) -> HumanMotion:
     time = even_time(path, captured.time, captured.row)
+    rate = (len(time) - 1) / time[-1]
     body = captured.skeleton
     names = captured.labels if body is None else body.names
     preset, segment = recognise(names)
@@ -210,16 +222,27 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
         if away.any():
             place[away] = np.nan
             told["far_away"] = ", ".join(label for label, ever in zip(names, away.any(axis=0), strict=True) if ever)
+        told |= sort_out(names, place, rate, segment)
         markers = Markers(captured.labels, place, np.zeros(place.shape[:2], dtype=bool), segment)
-        return _with_sides(HumanMotion(path.stem, time, markers=markers, told=told))
+        return _doubted(HumanMotion(path.stem, time, markers=markers, told=told), place)
     places = {name: getattr(body, name) @ turn.T * metres for name in ("position", "end", "rest_position", "rest_end")}
     turns = {name: turn @ getattr(body, name) for name in ("rotation", "rest_rotation")}
     tree = replace(body, **places, **turns, segment=segment)
-    return _with_sides(HumanMotion(path.stem, time, tree=tree, told=told))
+    if (leap := leap_of_bones(names, tree.position, rate)) is not None:
+        told["leaps"] = leap
+    return _doubted(HumanMotion(path.stem, time, tree=tree, told=told), tree.position)
 
 
-def _with_sides(motion: HumanMotion) -> HumanMotion:
-    return replace(motion, told={**motion.told, "sides_doubt": f"{DOUBT}. {WHY}"}) if exchanged(motion) else motion
+def _doubted(motion: HumanMotion, points: Array) -> HumanMotion:
+    """With what is doubted of its sides and of its rate; points: (T, N, 3), in the order of its names."""
+    whole = motion.tree or motion.markers
+    assert whole is not None
+    names = whole.names if isinstance(whole, JointTree) else whole.labels
+    trunk = [k for k, name in enumerate(names) if whole.segment.get(name) in ("pelvis", "thorax", "head")]
+    doubts = {"sides_doubt": sides_doubt(motion)}
+    if not {"leaps", "joined"} & set(motion.told):
+        doubts["rate_doubt"] = rate_doubt(points[:, trunk], motion.rate)
+    return replace(motion, told={**motion.told, **{key: words for key, words in doubts.items() if words is not None}})
 
 
 def _reach(points: Array) -> Array:

@@ -31,6 +31,11 @@ SHOULDER = (0.0, SHOULDER_HALF, SHOULDER_HEIGHT - _TRUNK)
 NECK = (0.0, 0.0, NECK_HEIGHT - _TRUNK)
 PELVIS = ("pelvis_tx", "pelvis_ty", "pelvis_tz", "pelvis_yaw", "pelvis_roll", "pelvis_pitch")
 TRUNK = ("trunk_flexion", "trunk_bend", "trunk_rotation")
+REACH: Mapping[str, tuple[float, float]] = {  # degrees, of joints that bear so much (AAOS, Joint Motion, 1965) and 25
+    "hip_flexion": (-70.0, 160.0), "hip_abduction": (-70.0, 85.0), "hip_rotation": (-85.0, 85.0),  # to 40 more, as zero
+    "knee_flexion": (-35.0, 165.0), "ankle_dorsiflexion": (-90.0, 60.0), "ankle_inversion": (-55.0, 75.0),  # is where
+    "elbow_flexion": (-25.0, 175.0),  # markers sit
+}  # fmt: skip
 OF_SEGMENT: Mapping[str, tuple[str, str, str]] = {  # which scale stretches a part along its x, y, z
     "pelvis": ("pelvis_width", "pelvis_width", "pelvis_height"), "thorax": ("trunk", "shoulder_width", "trunk"),
     "head": ("head",) * 3, "upper_arm": ("upper_arm",) * 3, "forearm": ("forearm",) * 3, "hand": ("hand",) * 3,
@@ -68,6 +73,13 @@ class HumanBody:
             if parent >= 0:
                 moves[j] |= moves[parent]
         return moves
+
+    @cached_property
+    def reach(self) -> Array:
+        """(2, K) [rad or m] from where to where a joint may turn; infinite where nothing is said."""
+        spans = [next((span for end, span in REACH.items() if name[2:] == end), (-np.inf, np.inf))
+                 for name in self.coordinates]  # fmt: skip
+        return np.asarray(np.radians(spans).T)
 
     def index(self, name: str) -> int:
         return self.coordinates.index(name)

@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_fit import USUAL, MotionFit
 from exogauge.errors import BadMotion, Fault
+from exogauge.logs.findings import runs
 from exogauge.motion.fit.body import SCALES, human_body
 from exogauge.motion.fit.kinematics import Points, places, pose
-from exogauge.motion.fit.observed import Observed, observe, standing, untracked
+from exogauge.motion.fit.observed import Observed, at_frames, observe, standing, untracked
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.fit.shared import Shared, shared_fit
-from exogauge.motion.fit.start import postures, without_jumps
+from exogauge.motion.fit.start import JOINTS, TURNS, leaning, postures, settled, without_jumps
 from exogauge.motion.fit.track import track
-from exogauge.motion.human import HumanMotion
+from exogauge.motion.human import DOUBTS, HumanMotion
 from exogauge.motion.sides import refuse_exchanged
 
 Array = NDArray[np.float64]
@@ -35,6 +36,8 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
         raise BadMotion(Fault(detail, "too_long", advice, motion.name, value=str(len(motion.time))))
     refuse_exchanged(motion)
     fit, off = _fitted(motion, static, criteria)
+    told = {key: motion.told[key] for key in DOUBTS if key in motion.told}
+    fit = replace(fit, told=told | dict(fit.told))
     if motion.markers is None:
         return fit
     segments, slips = [motion.markers.segment[label] for label in fit.labels], dict[str, str]()
@@ -54,7 +57,8 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
                   f"{100 * off[frame, far]:.0f} cm of this one at {motion.time[frame]:.2f} s")  # fmt: skip
         advice = "See what was there, and to its name; to names, unit and vertical axis of all; give a static trial"
         raise BadMotion(Fault(detail, "no_body", advice, motion.name, column=fit.labels[far]))
-    return replace(fit, told={**fit.told, "slips": "; ".join(slips.values())}) if slips else fit
+    said = "; ".join([*([told["slips"]] if "slips" in told else []), *slips.values()])
+    return replace(fit, told=told | dict(fit.told) | ({"slips": said} if said else {}))
 
 
 def _slipped(off: Array, segment: Sequence[str], criteria: MotionFit) -> NDArray[np.bool_]:
@@ -81,14 +85,19 @@ def _unseen(motion: HumanMotion, labels: tuple[str, ...], where: NDArray[np.bool
 def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit) -> tuple[HumanFit, Array]:
     """And (T, M) [m] by how much each point misses; 0 where it is not seen."""
     body = human_body()
-    observed = observe(motion, body, criteria)
-    chosen = _spread(observed, criteria.frames)
-    few = _at(observed, chosen)
+    observed = leaning(body, observe(motion, body, criteria), criteria, TURNS)
+    chosen = _spread(observed, criteria.frames, criteria.fewest)
+    few = at_frames(observed, chosen)
     if static is not None:
-        upright = standing(observe(static, body, criteria), body, criteria)
-        few = _joined(few, _at(upright, _spread(upright, criteria.static_frames)))
-    ones = np.ones(len(SCALES))
-    shared = shared_fit(body, few, postures(body, few, ones, criteria), ones, criteria)
+        upright = leaning(body, standing(observe(static, body, criteria), body, criteria), criteria, TURNS)
+        few = _joined(few, at_frames(upright, _spread(upright, criteria.static_frames, criteria.fewest)))
+    ones, nowhere = np.ones(len(SCALES)), np.zeros((len(few.labels), 3))
+    begun = postures(body, few, ones, criteria)
+    leant = leaning(body, few, criteria, JOINTS)  # or a limb turns over while sizes are wrong
+    first = shared_fit(body, leant, begun, ones, nowhere, criteria.first_to_go, criteria)
+    variance = np.full(len(few.labels), criteria.start_noise**2)
+    again = settled(body, few, first.q, first.scale, first.offset, variance, criteria)
+    shared = shared_fit(body, few, again, first.scale, first.offset, criteria.to_go, criteria)
     kept = [few.labels.index(label) for label in observed.labels]
     offset = shared.offset[kept]
     F = len(chosen)
@@ -96,7 +105,7 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
     T = len(motion.time)
     q, sd = (np.stack([np.interp(np.arange(T), chosen, column) for column in each.T], axis=1)
              for each in (knots, shared.q_sd[:F]))  # fmt: skip
-    q = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
+    q, moving = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
     at = pose(body, q, shared.scale)
     miss = observed.position - places(at, observed.points, shared.scale, offset)
     off = np.linalg.norm(miss, axis=2)
@@ -112,7 +121,8 @@ def _fitted(motion: HumanMotion, static: HumanMotion | None, criteria: MotionFit
         {part: at.rotation[:, k] for part, k in body.part.items()},
         {part: at.position[:, k] for part, k in body.part.items()},
         {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
-        observed.labels, offset, residual, shared.noise, _told(observed, shared, offset, residual, criteria),
+        observed.labels, offset, residual, shared.noise, observed.lost(),
+        _told(observed, shared, moving, offset, residual, motion.rate, criteria),
     )  # fmt: skip
     return fit, np.nan_to_num(off)
 
@@ -121,16 +131,12 @@ def _named(values: Array) -> dict[str, float]:
     return {name: float(value) for name, value in zip(SCALES, values, strict=True)}
 
 
-def _spread(observed: Observed, count: int) -> NDArray[np.intp]:
-    """Frames over the whole motion, of each stretch the one in which most points are seen."""
+def _spread(observed: Observed, count: int, fewest: int) -> NDArray[np.intp]:
+    """Frames over all in which pelvis and thorax are seen, of each stretch the one in which most points are."""
+    usable = np.flatnonzero(observed.fixed(fewest))
     seen = np.isfinite(observed.position[..., 0]).sum(axis=1)
-    parts = np.array_split(np.arange(len(seen)), min(count, len(seen)))
+    parts = np.array_split(usable, min(count, len(usable)))
     return np.array([part[int(seen[part].argmax())] for part in parts], dtype=np.intp)
-
-
-def _at(observed: Observed, frames: NDArray[np.intp]) -> Observed:
-    return replace(observed, position=observed.position[frames], mean=observed.mean[frames],
-                   weight=observed.weight[frames])  # fmt: skip
 
 
 def _joined(first: Observed, then: Observed) -> Observed:
@@ -151,8 +157,23 @@ def _joined(first: Observed, then: Observed) -> Observed:
     )  # fmt: skip
 
 
-def _told(observed: Observed, shared: Shared, offset: Array, residual: Array, criteria: MotionFit) -> dict[str, str]:
+def _told(
+    observed: Observed,
+    shared: Shared,
+    moving: NDArray[np.bool_],
+    offset: Array,
+    residual: Array,
+    rate: float,
+    criteria: MotionFit,
+) -> dict[str, str]:
     told = {}
+    starts, lengths = runs(~observed.fixed(criteria.fewest))
+    long = lengths > criteria.guessed_s * rate
+    if long.any():
+        first, last = starts[long][0], starts[long][0] + lengths[long][0] - 1
+        more = f", and {long.sum() - 1} times more" if long.sum() > 1 else ""
+        said = f"fewer than {criteria.fewest} markers of pelvis or thorax are seen"
+        told["guessed"] = f"{said} {first / rate:.2f} to {last / rate:.2f} s{more}: postures there are guessed"
     bound = [f"{name} {value:.2f}" for name, value in _named(shared.scale).items()
              if name != "lumbar_depth" and not criteria.least_scale < value < criteria.largest_scale]  # fmt: skip
     if bound:
@@ -166,6 +187,8 @@ def _told(observed: Observed, shared: Shared, offset: Array, residual: Array, cr
         told["elsewhere"] = ", ".join(
             f"{observed.labels[m]} {100 * far[m]:.0f} cm from where its name says" for m in moved
         )
+        if pairs := _as_if_exchanged(observed, moved, shared.scale, offset):
+            told["elsewhere"] += f"; as if exchanged: {', '.join(pairs)}"
     lost = untracked(observed)
     if lost:
         told["not_tracked"] = f"no points on {', '.join(lost)}: nothing says their joints' angles"
@@ -173,6 +196,19 @@ def _told(observed: Observed, shared: Shared, offset: Array, residual: Array, cr
            if observed.segment.count(part) < criteria.fewest]  # fmt: skip
     if few:
         told["few_points"] = ", ".join(few)
-    if not shared.settled:
-        told["not_settled"] = f"scales and places still moved after {criteria.shared_steps} steps"
+    still = [] if shared.settled else [f"scales and places still moved after {criteria.shared_steps} steps"]
+    if moving.any():
+        still.append(f"postures still moved after {criteria.track_steps} steps in {moving.sum()} frames, the first at "
+                     f"{np.flatnonzero(moving)[0] / rate:.2f} s")  # fmt: skip
+    if still:
+        told["not_settled"] = "; ".join(still)
     return told
+
+
+def _as_if_exchanged(observed: Observed, moved: Sequence[int], scale: Array, offset: Array) -> list[str]:
+    """Pairs of markers on one part, each nearer to where the other's name says than to where its own does."""
+    nominal = observed.points.nominal * scale[observed.points.stretch]
+    far = np.linalg.norm((nominal + offset)[:, None] - nominal[None], axis=2)
+    pairs = [(a, b) for k, a in enumerate(moved) for b in moved[k + 1 :] if observed.segment[a] == observed.segment[b]]
+    return [f"{observed.labels[a]} and {observed.labels[b]}" for a, b in pairs
+            if far[a, b] < far[a, a] and far[b, a] < far[b, b]]  # fmt: skip

@@ -82,19 +82,82 @@ def slopes(body: HumanBody, at: Pose, points: Points, place: Array) -> Array:
     return J.reshape(T, 3 * M, -1)
 
 
-def shared_slopes(body: HumanBody, at: Pose, points: Points) -> Array:
-    """(T, 3 M, S + 3 M) by the scales, then by the points' offsets."""
-    T, K, S, M = *at.position.shape[:2], len(SCALES), len(points.joint)
+def scale_slopes(body: HumanBody, at: Pose, points: Points) -> Array:
+    """(T, M, 3, S) of the points' places by the scales; by a point's own offset they are its part's rotation."""
+    T, K, S = *at.position.shape[:2], len(SCALES)
     by_scale = np.zeros((T, K, 3, S))
     for k, parent in enumerate(body.parent):
         if parent >= 0:
             by_scale[:, k] = by_scale[:, parent]
             for a in range(3):
                 by_scale[:, k, :, body.stretch[k, a]] += at.rotation[:, parent, :, a] * body.offset[k, a]
-    G = np.zeros((T, M, 3, S + 3 * M))
-    G[..., :S] = by_scale[:, points.joint]
+    G = by_scale[:, points.joint]
     for m, joint in enumerate(points.joint):
         for a in range(3):
             G[:, m, :, points.stretch[m, a]] += at.rotation[:, joint, :, a] * points.nominal[m, a]
-        G[:, m, :, S + 3 * m : S + 3 * m + 3] = at.rotation[:, joint]
-    return G.reshape(T, 3 * M, -1)
+    return np.asarray(G)
+
+
+def beyond(body: HumanBody, q: Array, sd: float) -> tuple[Array, Array]:
+    """(T, K) by how much postures lie beyond the joints' reach, over sd², and 1 / sd² where they do: of the sum
+    Σ (q - reach)² / sd², half its slope and half its second derivative."""
+    off = q - np.clip(q, *body.reach)
+    return off * sd**-2, np.where(off != 0.0, sd**-2, 0.0)
+
+
+def normal(body: HumanBody, at: Pose, points: Points, place: Array, left: Array, weight: Array) -> tuple[Array, Array]:
+    """JᵀWJ (K, K, T) and JᵀWr (K, T) of the slopes J of `place` (T, M, 3) and what is left of it, r (T, M, 3), without
+    the slopes themselves. weight: (T, M), 0 where a point is not seen; r is finite there.
+
+    A slope is ω × p + v with the joint's own ω, v; so what two joints share are moments of the points that the upper
+    one of them moves and the other one too, summed from the ends inwards (as inertias are: Featherstone 2008, 6.2).
+    """
+    T, K = at.position.shape[:2]
+    here = at.position[:, [K - 1]]  # moments about a point of the body, for their digits
+    p, o = (np.ascontiguousarray(np.moveaxis(each - here, 0, 2)) for each in (place, at.position))  # (.., 3, T)
+    w, r = np.ascontiguousarray(weight.T), np.moveaxis(left, 0, 2) * weight.T[:, None]
+    moves = np.zeros((K, 6, T))  # ω, v
+    for k, axis in enumerate(body.axis):
+        a = int(np.abs(axis).argmax())
+        along = axis[a] * at.rotation[:, k, :, a].T
+        moves[k, 3:] = along if body.prismatic[k] else _cross(o[k], along)
+        if not body.prismatic[k]:
+            moves[k, :3] = along
+    mass, first, second, pull = np.zeros((K, T)), np.zeros((K, 3, T)), np.zeros((K, 3, 3, T)), np.zeros((K, 6, T))
+    for m, joint in enumerate(points.joint):
+        weighted = w[m] * p[m]
+        mass[joint] += w[m]
+        first[joint] += weighted
+        second[joint] += weighted[:, None] * p[m]
+        pull[joint, :3] += _cross(p[m], r[m])
+        pull[joint, 3:] += r[m]
+    A, g = np.zeros((K, K, T)), np.empty((K, T))
+    for k in reversed(range(K)):
+        above = int(body.parent[k])
+        if above >= 0:
+            for each in (mass, first, second, pull):
+                each[above] += each[k]
+        omega, v = moves[k, :3], moves[k, 3:]
+        g[k] = np.sum(moves[k] * pull[k], axis=0)
+        felt = _cross(omega, first[k]) + mass[k] * v
+        if not body.prismatic[k]:
+            square = second[k, 0, 0] + second[k, 1, 1] + second[k, 2, 2]
+            turned = square * omega - np.sum(second[k] * omega, axis=1) + _cross(first[k], v)
+        else:
+            turned = _cross(first[k], v)
+        for j in np.flatnonzero(body.above[k]):
+            other = moves[j]
+            A[j, k] = other[3] * felt[0] + other[4] * felt[1] + other[5] * felt[2]
+            if not body.prismatic[j]:
+                A[j, k] += other[0] * turned[0] + other[1] * turned[1] + other[2] * turned[2]
+            A[k, j] = A[j, k]
+    return A, g
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Of (3, T) each."""
+    out = np.empty_like(b)
+    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[y], b[z], out=out[x])
+        out[x] -= a[z] * b[y]
+    return out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -33,6 +33,7 @@ from exogauge.robots.moving.segments import SEGMENTS, Segment
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+STATED = slice(3, 9)  # coordinates: how the pelvis turns in the world, and the thorax in the pelvis
 HEAD = ("head_flexion", "head_bend", "head_rotation")
 
 
@@ -53,6 +54,26 @@ class Observed:
     known: BoolArray
     mean: Array
     weight: Array
+
+    def seen_of(self, part: Segment) -> NDArray[np.intp]:
+        """(T,) points of known place that are seen on a part of the body."""
+        on = np.array([each == part for each in self.segment]) & self.known
+        return np.asarray(np.isfinite(self.position[:, on, 0]).sum(axis=1))
+
+    def fixed(self, fewest: int) -> BoolArray:
+        """(T,) how pelvis and thorax lie is seen, by `fewest` points of each, or stated."""
+        stated = (self.weight[:, STATED] > 0.0).all(axis=1)
+        return np.asarray(stated | ((self.seen_of("pelvis") >= fewest) & (self.seen_of("thorax") >= fewest)))
+
+    def lost(self) -> BoolArray:
+        """(T,) of pelvis or of thorax nothing is seen, nor stated."""
+        return ~self.fixed(1)
+
+
+def at_frames(observed: Observed, frames: slice | NDArray[np.intp]) -> Observed:
+    """Some of its frames."""
+    return replace(observed, position=observed.position[frames], mean=observed.mean[frames],
+                   weight=observed.weight[frames])  # fmt: skip
 
 
 def observe(motion: HumanMotion, body: HumanBody, criteria: MotionFit) -> Observed:

@@ -34,8 +34,6 @@ LANDMARKS: Mapping[str, Place] = {
     "{s}WRA {s}_WRIST_RADIUS {s}IWR {s}_RSP {s}RSP": (0.03, 0.0, -FOREARM),
     "{s}WRB {s}_WRIST_ULNA {s}OWR {s}_USP {s}USP": (-0.03, 0.0, -FOREARM),
     "{s}FIN": (0.0, 0.02, -0.085),
-    "{s}IHAND": (0.04, 0.0, -0.08),
-    "{s}OHAND": (-0.04, 0.0, -0.08),
     "{s}KNE {s}_KNEE {s}KNEEOUT {s}_FLE {s}FLE {s}.KNEE.LAT {s}.KNEE": (0.0, 0.055, -THIGH),
     "{s}KNI {s}_MKNEE {s}KNEEIN {s}_FME {s}FME {s}.KNEE.MED {s}.KNEE.MEDIAL": (0.0, -0.055, -THIGH),
     "{s}ANK {s}_ANKLE {s}ANKLEOUT {s}_FAL {s}FAL {s}.ANKLE.LAT {s}.ANKLE": (-0.01, 0.04, -SHANK),
@@ -47,6 +45,7 @@ LANDMARKS: Mapping[str, Place] = {
     "{s}LATFOOT": (0.05, 0.045, -0.05),
 }
 LOOSE: Mapping[str, Place] = {
+    "{s}IWR {s}OWR": (0.0, 0.0, -FOREARM), "{s}IHAND {s}OHAND": (0.0, 0.0, -0.08),  # inside is where the hand was then
     "{s}MWT": (0.0, 0.16, 0.11), "{s}FSH": (0.06, 0.17, 0.36), "{s}BSH": (-0.06, 0.17, 0.36),
     "{s}BAC": (-0.1, 0.1, 0.3),
     "{s}UPA {s}_HUMERUS {s}UARMHIGH {s}ARM": (0.0, 0.05, -0.15), "{s}FRM {s}_FOREARM {s}WRE": (0.0, 0.04, -0.12),

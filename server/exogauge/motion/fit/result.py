@@ -23,7 +23,8 @@ class HumanFit:
     scale, scale_sd: by name. rotation: (T, 3, 3) R_world_part and position: (T, 3) [m] of the proximal joint, by
     segment; the pelvis' is the middle of the hips. end: (T, 3) [m] of hands' and feet's far ends.
     labels, offset: (M,), (M, 3) [m] where the points sit beside their nominal places, residual: (M,) [m] rms.
-    noise: [m] sd of a coordinate of a point. told: what fits badly or is not known.
+    noise: [m] sd of a coordinate of a point. lost: (T,) nothing is seen of pelvis or of thorax.
+    told: what fits badly or is not known.
     """
 
     name: str
@@ -40,6 +41,7 @@ class HumanFit:
     offset: Array
     residual: Array
     noise: float
+    lost: NDArray[np.bool_]
     told: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -2,55 +2,103 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.motion_fit import MotionFit
-from exogauge.motion.fit.body import HumanBody
-from exogauge.motion.fit.kinematics import places, pose, slopes
-from exogauge.motion.fit.observed import Observed, continuous
+from exogauge.motion.fit.body import PELVIS, HumanBody
+from exogauge.motion.fit.kinematics import beyond, normal, places, pose
+from exogauge.motion.fit.observed import Observed, at_frames, continuous
 
 Array = NDArray[np.float64]
+LIMBS = (("l_shoulder", "l_elbow", "l_pronation", "l_wrist"), ("r_shoulder", "r_elbow", "r_pronation", "r_wrist"),
+         ("l_hip", "l_knee", "l_ankle"), ("r_hip", "r_knee", "r_ankle"))  # fmt: skip
+JOINTS = ("shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow_flexion", "pronation", "wrist_flexion",
+          "wrist_deviation", "hip_flexion", "hip_abduction", "hip_rotation", "knee_flexion", "ankle_dorsiflexion",
+          "ankle_inversion")  # fmt: skip
+HINGES = ("knee_flexion", "elbow_flexion")
+TURNS = ("pronation", "wrist_flexion", "wrist_deviation", "ankle_inversion")  # too far from the trunk to draw it aside
 TRIPLES = ("pelvis_yaw", "trunk_flexion", "head_flexion", "l_shoulder_flexion", "r_shoulder_flexion", "l_hip_flexion",
            "r_hip_flexion")  # fmt: skip
 
 
 def postures(body: HumanBody, observed: Observed, scale: Array, criteria: MotionFit) -> Array:
-    """(T, K) of every frame by itself. scale: (S,). Levenberg (1944), Marquardt (1963), each frame with its damping."""
-    q = _lain(body, observed, scale)
-    mean, weight = _leaning(body, observed, criteria)
-    seen = np.isfinite(observed.position) & observed.known[:, None]
-    target = np.where(seen, observed.position, 0.0)
-    w = 1.0 / (criteria.start_noise**2 + observed.offset_sd**2)
-    still = np.zeros_like(observed.points.nominal)
+    """(T, K) of every frame by itself, of points at their nominal places. scale: (S,)."""
+    return settled(body, observed, _lain(body, observed, scale), scale, np.zeros_like(observed.points.nominal),
+                   criteria.start_noise**2 + observed.offset_sd**2, criteria)  # fmt: skip
+
+
+def settled(
+    body: HumanBody, observed: Observed, q: Array, scale: Array, offset: Array, variance: Array, criteria: MotionFit
+) -> Array:  # fmt: skip
+    """(T, K) of every frame by itself, from q (T, K). offset: (M, 3) [m]; variance: (M,) [m²] of a point's place.
+
+    A limb that ends beyond any joint's reach, or whose points miss, is tried once more from where it leans.
+    """
+    leant = leaning(body, observed, criteria)
+    q, cost, miss = _descended(body, observed, leant, q, scale, offset, variance, criteria)
+    odd = (np.abs(q - leant.mean) > criteria.far_rad) | (beyond(body, q, criteria.reach_sd)[1] > 0.0)
+    limbs = np.array([[name.startswith(limb) for name in body.coordinates] for limb in LIMBS])
+    on = np.array([[own[joint] for joint in observed.points.joint] for own in limbs])
+    bent = np.stack([odd[:, own].any(axis=1) | (miss[:, at].max(axis=1, initial=0.0) > 3.0)
+                     for own, at in zip(limbs, on, strict=True)], axis=1)  # fmt: skip
+    frame, limb = np.nonzero(bent)
+    several = np.flatnonzero(bent.sum(axis=1) > 1)
+    anew = np.concatenate([limbs[limb], bent[several] @ limbs])
+    frame = np.concatenate([frame, several])
+    if len(frame):
+        some, there = at_frames(observed, frame), at_frames(leant, frame)
+        other, then, _ = _descended(body, some, there, np.where(anew, there.mean, q[frame]), scale, offset, variance,
+                                    criteria)  # fmt: skip
+        for k, t in enumerate(frame):
+            if then[k] < cost[t]:
+                q[t], cost[t] = other[k], then[k]
+    return without_jumps(body, q)
+
+
+def _descended(
+    body: HumanBody, observed: Observed, leant: Observed, q: Array, scale: Array, offset: Array, variance: Array,
+    criteria: MotionFit,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Postures (T, K), what is left of each, (T,), and of their points, (T, M), in deviations. Levenberg (1944),
+    Marquardt (1963), each frame with its damping."""
+    seen = np.isfinite(observed.position[..., 0]) & observed.known
+    w = seen / variance
+    going, q, eye = np.arange(len(q)), q.copy(), np.eye(q.shape[1])  # frames that have not settled
 
     def judged(q: Array) -> tuple[Array, Array, Array]:
         at = pose(body, q, scale)
-        place = places(at, observed.points, scale, still)
-        r = np.where(seen, target - place, 0.0)
-        cost = np.einsum("tma,tma,m->t", r, r, w) + np.sum(weight * (q - mean) ** 2, axis=1)
-        return cost, r, slopes(body, at, observed.points, place)
+        place = places(at, observed.points, scale, offset)
+        r = np.where(seen[going, :, None], observed.position[going] - place, 0.0)
+        off, weight = leant.mean[going] - q, leant.weight[going]
+        out, stiff = beyond(body, q, criteria.reach_sd)
+        miss = np.sum(r**2, axis=2) * w[going]
+        cost = miss.sum(axis=1) + np.sum(weight * off**2 + out**2 * criteria.reach_sd**2, axis=1)
+        A, g = normal(body, at, observed.points, place, r, w[going])
+        left[going] = np.sqrt(miss)
+        return cost, np.moveaxis(A, 2, 0) + (weight + stiff)[:, :, None] * eye, g.T + weight * off - out
 
-    cost, r, J = judged(q)
-    damping = np.full(len(q), 1e-2)
-    eye = np.eye(q.shape[1])
-    rows = np.repeat(seen[..., 0] * w, 3, axis=1)
+    left = np.zeros(seen.shape)
+    cost, A, g = judged(q)
+    damping, final = np.full(len(q), 1e-2), cost.copy()
     for _ in range(criteria.start_steps):
-        J_w = J * rows[..., None]
-        A = np.swapaxes(J, 1, 2) @ J_w + weight[:, :, None] * eye
-        g = np.einsum("tnk,tn->tk", J_w, r.reshape(len(q), -1)) + weight * (mean - q)
         size = np.einsum("tkk->tk", A)
         step = np.linalg.solve(A + (damping[:, None] * size)[..., None] * eye, g[..., None])[..., 0]
-        tried = q + step
-        cost_tried, r_tried, J_tried = judged(tried)
+        tried = q[going] + step
+        cost_tried, A_tried, g_tried = judged(tried)
         better = cost_tried <= cost
-        q[better], r[better], J[better], gain = tried[better], r_tried[better], J_tried[better], cost - cost_tried
-        cost = np.where(better, cost_tried, cost)
+        done = better & (cost - cost_tried <= criteria.start_settled * (1.0 + cost))
+        q[going[better]], final[going[better]] = tried[better], cost_tried[better]
+        cost[better], A[better], g[better] = cost_tried[better], A_tried[better], g_tried[better]
         damping = np.clip(damping * np.where(better, 0.2, 5.0), 1e-9, 1e6)
-        if better.all() and (gain <= 1e-6 * (1.0 + cost)).all():
+        going, cost, damping = going[~done], cost[~done], damping[~done]
+        A, g = A[~done], g[~done]
+        if not len(going):
             break
-    return without_jumps(body, q)
+    return q, final, left
 
 
 def without_jumps(body: HumanBody, q: Array) -> Array:
@@ -59,10 +107,9 @@ def without_jumps(body: HumanBody, q: Array) -> Array:
     for first in TRIPLES:
         k = body.index(first)
         q[:, k : k + 3] = continuous(q[:, k : k + 3])
-    rest = [k for k, moves in enumerate(body.prismatic) if not moves]
+    rest = ~body.prismatic & np.isinf(body.reach[1])
     q[:, rest] = np.unwrap(q[:, rest], axis=0)
-    turns = 2 * np.pi * np.round(q[0, rest] / (2 * np.pi))
-    q[:, rest] -= turns
+    q[:, rest] -= 2 * np.pi * np.round(np.median(q[:, rest], axis=0) / (2 * np.pi))
     return q
 
 
@@ -90,14 +137,14 @@ def _lain(body: HumanBody, observed: Observed, scale: Array) -> Array:
     return q
 
 
-def _leaning(body: HumanBody, observed: Observed, criteria: MotionFit) -> tuple[Array, Array]:
-    """Where a posture is sought: what is stated, else joints within their reach, knees and elbows bent."""
+def leaning(body: HumanBody, observed: Observed, criteria: MotionFit, joints: tuple[str, ...] = ("",)) -> Observed:
+    """Where a posture is sought: what is stated, else joints about zero, knees and elbows bent; of coordinates whose
+    names end so, the pelvis aside."""
     mean, weight = observed.mean.copy(), observed.weight.copy()
     for k, name in enumerate(body.coordinates):
-        if k < 6:
+        if name in PELVIS or not name.endswith(joints):
             continue
-        hinge = name.endswith(("knee_flexion", "elbow_flexion"))
         free = weight[:, k] == 0.0
-        mean[free, k] = criteria.bent if hinge else 0.0
-        weight[free, k] = (criteria.bent_sd if hinge else criteria.start_sd) ** -2
-    return mean, weight
+        mean[free, k] = criteria.bent if name.endswith(HINGES) else 0.0
+        weight[free, k] = (criteria.bent_sd if name.endswith(HINGES) else criteria.start_sd) ** -2
+    return replace(observed, mean=mean, weight=weight)

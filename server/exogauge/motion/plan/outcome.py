@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.logs.findings import runs
+from exogauge.motion.human import DOUBTS
 from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged
@@ -38,6 +39,7 @@ def summarise(
         "robot": robot.name, "motion": person.name, "seconds": round(float(judged.time[-1]), 3),
         "rounds": planned.rounds,
     }  # fmt: skip
+    said |= {key: person.told[key] for key in DOUBTS if key in person.told}
     for k, j in enumerate(robot.torso):
         low, high = np.degrees(asked.q[:, torso[k]].min()), np.degrees(asked.q[:, torso[k]].max())
         bound = np.degrees(robot.limits.lower[j]), np.degrees(robot.limits.upper[j])
