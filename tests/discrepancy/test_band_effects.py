@@ -171,6 +171,12 @@ def hardening(t, length, l_0):
     return K * x * (1.0 + 0.9 * (x / 0.06) ** 1.2)
 
 
+def softening(t, length, l_0):
+    """Rubber: neo-Hookean."""
+    stretched = np.maximum(length / l_0, 1.0)
+    return K * l_0 / 3.0 * (stretched - stretched**-2)
+
+
 def rubbing(t, segments, wrap, l_0, mu=0.25):
     """(T, S) by the sign of what slides at each via point, softened, the mean along the band as without friction."""
     length = segments.sum(axis=1)
@@ -203,6 +209,7 @@ PULLS = {
     "band_viscous": lambda t, length, l_0, _: damped(t, length, l_0),
     "band_relaxation": lambda t, length, l_0, _: relaxing(t, length, l_0),
     "band_hardening": lambda t, length, l_0, _: hardening(t, length, l_0),
+    "band_softening": lambda t, length, l_0, _: softening(t, length, l_0),
     "band_stiffness": lambda t, length, l_0, _: spring(t, length, l_0, 0.62 * K),
     "softer by a quarter": lambda t, length, l_0, _: spring(t, length, l_0, 0.75 * K),
     "band_length": lambda t, length, l_0, _: spring(t, length, l_0 + 0.022),
@@ -370,6 +377,29 @@ def test_when_an_anchor_slips_is_told_as_sharply_as_it_is_known(trunk):
         off.append((moment.value - before - 9.15) / moment.std)
     assert np.abs(off).max() < 4.0
     assert np.sqrt(np.mean(np.square(off))) > 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["band_softening", pytest.param("band_hardening", marks=pytest.mark.thorough)])
+def test_a_law_that_all_bands_of_a_group_follow_is_named_at_each_and_no_further_band_is(trunk, effect):
+    found = search(trunk, ("both", effect))
+    assert named(found) == [(effect, "left"), (effect, "right")]
+    told = identify_bands(trunk.model, trunk.device, "A", gathered(trunk, ("both", effect), 1).evidences,
+                          np.full(3, NOISE), [], JOINTS, *found.bands)  # fmt: skip
+    for band in told.bands:
+        assert abs(band.stiffness.value - K) < 2.0 * band.stiffness.std, band
+        assert abs(band.natural_length.value - LENGTHS[band.band]) < 2.0 * band.natural_length.std, band
+
+
+@pytest.mark.slow
+def test_how_much_a_band_softens_is_no_surer_than_the_stretch_by_which_it_does(trunk):
+    """At a stretch of 0.1 m: what the linear law pulls more. Its size goes with the shape and with the stiffness."""
+    found = search(trunk, ("both", "band_softening"))
+    for each in found.findings:
+        l_0, told = LENGTHS[each.place.name], each.parameters["softening"]
+        less = (spring(0.0, l_0 + 0.1, l_0) - softening(0.0, l_0 + 0.1, l_0)) / 0.1**2
+        assert abs(told.value - less) < 2.0 * told.std
+        assert told.std < less
 
 
 @pytest.mark.slow

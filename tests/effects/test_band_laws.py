@@ -207,6 +207,28 @@ def test_hardening_starts_with_the_stiffness_and_grows_by_twice_its_value_per_me
     np.testing.assert_allclose(np.gradient(tension, x, edge_order=2), K + 800.0 * x, rtol=1e-9)
 
 
+def test_softening_starts_with_the_stiffness_and_loses_half_of_what_it_loses_by_its_stretch():
+    x, half = np.linspace(0.0, 0.2, 20001), 0.05
+    tension = law("softening").tension(motion(L_0 + x), K, L_0, {"softening": 400.0, "softening_stretch": half})
+    lost = K - np.gradient(tension, x, edge_order=2)
+    assert lost[0] == pytest.approx(0.0, abs=1e-3)
+    np.testing.assert_allclose(lost, 2.0 * np.interp(half, x, lost) * x / (x + half), atol=1e-3)
+    assert np.interp(0.1, x, tension) == pytest.approx(K * 0.1 - 400.0 * 0.1**2, rel=1e-9)
+
+
+def test_rubber_follows_softening():
+    """A neo-Hookean band stretched to half as long again, by values that a fit would find."""
+    x = np.linspace(1e-3, 0.5 * L_0, 500)
+    stretched = 1.0 + x / L_0
+    rubber = K * L_0 / 3.0 * (stretched - stretched**-2)
+    seen, values = motion(L_0 + x), {"softening_stretch": 0.4 * L_0}
+    linear, softer = (law("softening").tension(seen, K, L_0, values | {"softening": s}) for s in (0.0, 100.0))
+    columns = np.column_stack([linear, softer - linear]) / rubber[:, None]
+    found = np.linalg.lstsq(columns, np.ones(len(x)), rcond=None)[0]
+    np.testing.assert_allclose(columns @ found, 1.0, atol=3e-3)
+    assert found[0] == pytest.approx(1.0, abs=0.01)
+
+
 @pytest.mark.parametrize("rate", [0.2, 1.5])
 def test_kelvin_voigt_loses_pi_a_squared_c_omega_per_cycle(rate):
     seen, steady = cycles(rate)

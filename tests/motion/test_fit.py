@@ -145,6 +145,18 @@ def test_a_body_in_a_mirror_is_refused_as_one(wrong: str) -> None:
 
 
 @pytest.mark.slow
+def test_two_markers_of_a_part_whose_labels_are_exchanged_are_named_together() -> None:
+    """«18 cm from where its name says» was said of each, and flexion was 3.8 degrees off."""
+    whole = bowing().markers
+    other = {"LASI": "LPSI", "LPSI": "LASI"}
+    labels = tuple(other.get(each, each) for each in whole.labels)
+    fit = fit_human(replace(bowing(), markers=replace(whole, labels=labels)))
+    assert "as if exchanged" in fit.told["elsewhere"]
+    assert {"LASI", "LPSI"} == set(fit.told["elsewhere"].split("as if exchanged: ")[1].split(" and "))
+    assert "as if exchanged" not in fit_human(bowing()).told.get("elsewhere", "")
+
+
+@pytest.mark.slow
 def test_markers_that_are_no_body_in_a_mirror_either_are_refused_once() -> None:
     """Each mirror was refused for its own mirror: the search went on for an hour."""
     bow = bowing()

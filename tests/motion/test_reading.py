@@ -508,5 +508,6 @@ def test_the_command_says_plainly_what_of_its_options_is_wrong(tmp_path: Path, c
     file = str(trc(tmp_path / "a.trc", body()))
     assert main(["motion", "retarget", file, "--robot", "robot.yaml", "--from", "5", "--to", "4"]) == 2
     assert capsys.readouterr().err.strip().endswith("the end, 4 s, must come after the begin, 5 s")
-    assert main(["motion", "robot", str(tmp_path / "lost.urdf")]) == 2
-    assert "there is no such file" in capsys.readouterr().err
+    for place, what in ((tmp_path / "lost.urdf", "there is no such file"), (tmp_path, "is a folder")):
+        assert main(["motion", "robot", str(place)]) == 2
+        assert what in capsys.readouterr().err

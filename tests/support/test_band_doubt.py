@@ -241,7 +241,7 @@ def test_where_doubt_is_skewed_the_profile_holds_the_truth_at_least_as_often(bip
 
 def test_how_the_device_sits_is_no_column_where_the_samples_tell_nothing_of_it(biped, suit, make_evidence, stoop):
     """Springs that pull next to nowhere, as where a via point is on the wrong link: it was a crash."""
-    worn = replace(suit, bands=tuple(replace(band, donning_std=0.003) for band in suit.bands))
+    worn = replace(suit, bands=tuple(replace(band, point_std=0.005) for band in suit.bands))
     setting, found = fitted(biped, worn, [make_evidence(worn, stoop(0), noise=0.3, seed=0)])
     assert nuisance_torques(setting, found) is not None
     nothing = replace(setting, weight=1e-9 * setting.weight)

@@ -43,7 +43,7 @@ def found_in(samples: TorqueSamples, beliefs=()):
 
 
 def profiles(given, fit, covariance) -> Profiles:
-    return Profiles(BandFit(np.zeros((0, 0)), None, given, fit), covariance)
+    return Profiles(BandFit(np.zeros((0, 0)), None, given, fit), covariance, np.zeros(len(covariance)))
 
 
 def curved(fit) -> np.ndarray:

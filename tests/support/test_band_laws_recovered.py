@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfiltfilt
 
@@ -50,6 +51,7 @@ ACTED = ("torso_pitch", "torso_yaw", "l_hip_pitch", "r_hip_pitch")
 VALUES = {
     "linear": {},
     "hardening": {"hardening": 900.0, "hardening_power": 2.0},
+    "softening": {"softening": 300.0, "softening_stretch": 0.12},
     "smooth_slack": {"transition": 0.006, "gradual": 0.8},
     "kelvin_voigt": {"damping": 40.0, "damping_power": 0.8},
     "maxwell": {"branch_stiffness": 80.0, "relaxation_time": 0.6, "slow_branch_stiffness": 40.0},
@@ -103,6 +105,12 @@ def tension(law, size, k, l_0, t, segments, along):
     pull = k * x
     if law == "hardening":
         pull = pull + size["hardening"] * 0.01 * (10.0 * x) ** size["hardening_power"]
+    if law == "softening":
+        way = np.linspace(0.0, max(float(x.max()), 0.1), 5001)
+        lost = cumulative_trapezoid(
+            cumulative_trapezoid((1.0 + way / size["softening_stretch"]) ** -2, way, initial=0.0), way, initial=0.0
+        )
+        pull = pull - size["softening"] * 0.01 * np.interp(x, way, lost) / np.interp(0.1, way, lost)
     if law == "smooth_slack":
         soft = k * size["transition"] * np.logaddexp(0.0, u / size["transition"])
         pull = pull + size["gradual"] * (soft - pull)

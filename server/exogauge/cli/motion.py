@@ -161,6 +161,8 @@ def write_robot(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_presets import known, preset_of, robot_file_of
 
     out = args.out or args.urdf.with_name("robot.yaml")
+    if args.urdf.is_dir():
+        raise BadRobot(Fault("is a folder", "a_folder", "Name the URDF in it", args.urdf.name))
     if not args.urdf.is_file():
         raise BadRobot(Fault("there is no such file", "no_file", "Look at its name", args.urdf.name))
     if out.resolve().parent != args.urdf.resolve().parent:

@@ -3,7 +3,7 @@ were held, captures that were joined."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Stretch = tuple[int, int]
 Leaps = dict[int, Array]
+CHUNK = 4096  # frames
 
 
 def sort_out(names: Sequence[str], position: Array, rate: float, segment: Mapping[str, str]) -> dict[str, str]:
@@ -81,18 +82,26 @@ def leaps_of(position: Array, rate: float, points: Sequence[int], criteria: Moti
     it, nor do both of a point that is elsewhere in one frame. Across a gap no step is looked at.
     """
     most, found = farthest(rate, criteria), Leaps()
-    window = np.arange(-2, 3)
+    window, steps = np.arange(-2, 3), len(position) - 1
+    far = _of_steps(position, lambda before, after: np.abs(after - before).max(axis=2, initial=0.0) > most / 2.0)
     for n in points:
-        step = np.diff(position[:, n], axis=0)
-        near = np.flatnonzero(np.abs(step).max(axis=1, initial=0.0) > most / 4.0)
+        near = np.flatnonzero(far[:, n])
         at = near[:, None] + window
-        around = np.where(((at >= 0) & (at < len(step)))[..., None], step[np.clip(at, 0, len(step) - 1)], np.nan)
-        off = step[near] - _median(around)
+        inside = np.clip(at, 0, steps - 1)
+        step = position[inside + 1, n] - position[inside, n]
+        off = step[:, 2] - _median(np.where((at == inside)[..., None], step, np.nan))
         leapt = np.linalg.norm(off, axis=1) > most
         if leapt.any():
-            found[n] = np.zeros_like(step)
+            found[n] = np.zeros((steps, 3))
             found[n][near[leapt]] = off[leapt]
     return found
+
+
+def _of_steps(position: Array, test: Callable[[Array, Array], BoolArray]) -> BoolArray:
+    """(T - 1, N) of what is seen in a frame and in the next, (., N, 3) each; some thousand at a time."""
+    parts = range(0, len(position) - 1, CHUNK)
+    return np.concatenate([test(position[k : k + CHUNK][: len(position) - 1 - k], position[k + 1 : k + 1 + CHUNK])
+                           for k in parts])  # fmt: skip
 
 
 def farthest(rate: float, criteria: MotionImport = USUAL) -> float:
@@ -161,11 +170,11 @@ def held(
     move, their leaps aside: a program wrote what it knew last. parts: the points on each part of the body, of
     `position` (T, N, 3)."""
     found = dict[int, list[Stretch]]()
+    same = _of_steps(position, lambda before, after: np.asarray((before == after).all(axis=2)))
     for points in parts:
         for n in points:
             others = [k for k in points if k != n]
-            same = (position[1:, n] == position[:-1, n]).all(axis=1)
-            for start, length in zip(*runs(same), strict=True):
+            for start, length in zip(*runs(same[:, n]), strict=True):
                 if length < criteria.held_frames or not others:
                     continue
                 moved = position[start : start + length + 1, others]

@@ -42,10 +42,12 @@ def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
     feet's sensors, shapes of what a search has named. What the samples tell next to nothing of is left to the doubt.
 
     No gain: it would make less of all that was measured, of noise and pull alike, and be found wherever there is noise.
+    Nor what makes a band's course longer throughout: that is its natural length's, with which the moment moves at which
+    it comes taut.
     """
     least_told, samples = 0.01, 1000  # of what is declared of a direction; at most, as all of this is smooth
     few = BandInputs(setting, fitted, samples)
-    found = [*(torque for _, torque in few.torques()), *few.zeros_of_feet(), *few.shapes()]
+    found = [*few.beside_lengths(), *few.zeros_of_feet(), *few.shapes()]
     if not found:
         return None
     V = np.stack(found, axis=2, dtype=np.float32)
@@ -75,6 +77,19 @@ class BandInputs:
 
     def torques(self) -> Iterator[tuple[str, Array]]:
         """(n, D) [N·m] that one standard deviation of each input adds, and whose it is."""
+        yield from ((name, torque) for name, _, torque in self._of_each_band())
+
+    def beside_lengths(self) -> Iterator[Array]:
+        """(n, D) the same, less what the band's own natural length would do."""
+        places = self._wear.layout.natural_length
+        for _, band, torque in self._of_each_band():
+            own = self.columns[:, :, places[band]]
+            told = float(np.sum(self.weight * own**2))
+            alone = np.count_nonzero(places == places[band]) == 1 and told > 0.0
+            yield torque - own * (float(np.sum(self.weight * own * torque)) / told) if alone else torque
+
+    def _of_each_band(self) -> Iterator[tuple[str, int, Array]]:
+        """Whose it is, of which band, and (n, D) [N·m]."""
         for place in range(len(self._wear.k)):
             wire = self._wires[place]
             if wire.course.routing is None:
@@ -84,9 +99,11 @@ class BandInputs:
                 continue
             pull, slope = (each[self._chosen, None] for each in pulls(self._wires, self._wear, place))
             if band.point_std > 0.0:
-                yield from ((VIA_POINTS, band.point_std * each) for each in self._moved_points(wire, band, pull, slope))
+                for each in self._moved_points(wire, band, pull, slope):
+                    yield VIA_POINTS, place, band.point_std * each
             if band.donning_std > 0.0:
-                yield from ((DONNING, band.donning_std * each) for each in self._other_lengths(wire, slope))
+                for each in self._other_lengths(wire, slope):
+                    yield DONNING, place, band.donning_std * each
 
     def zeros_of_feet(self) -> Iterator[Array]:
         """(n, D) [N·m] that one standard deviation of each zero adds: of the session's course, or of each log's own, of
@@ -106,13 +123,13 @@ class BandInputs:
         before = residual(self._logs, self._wires, wear) if wear.added else np.zeros(0)
         for number, each in enumerate(wear.added):
             for place, shape in enumerate(each.effect.shapes):
-                reach, now = shape.high - shape.low, np.array(each.shape)
-                step = small * reach * (1.0 if now[place] + small * reach <= shape.high else -1.0)
-                now[place] += step
+                share, now = shape.share(each.shape[place]), list(each.shape)
+                step = small if share + small <= 1.0 else -small
+                now[place] = shape.at(share + step)
                 added = list(wear.added)
-                added[number] = replace(each, shape=tuple(now.tolist()))
+                added[number] = replace(each, shape=tuple(now))
                 moved = replace(wear, added=tuple(added))
-                yield (some * reach / step) * (before - residual(self._logs, self._wires, moved))[self._chosen]
+                yield (some / step) * (before - residual(self._logs, self._wires, moved))[self._chosen]
 
     def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
         """(n, D) of each zero that these logs have in common. share: of a log's own."""

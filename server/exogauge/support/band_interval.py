@@ -20,12 +20,15 @@ Array = NDArray[np.float64]
 
 SKEWED = 0.02  # std over the value (over the stretch, for a length) from which a symmetric interval's ends are tried
 SHORTEST = 1e-3  # [N/m or m] of either value
+LEAST_OWN = 0.01  # of a value's variance, that is along its profile: what is beside it overlaps
 
 
 @final
 @dataclass(frozen=True)
 class Profiles:
-    """95 % intervals of a fit's springs. covariance: (P, P) of theta about the truth.
+    """95 % intervals of a fit's springs. covariance: (P, P) of theta about the truth. beside: (P,) variance of it that
+    moves a value alone, whatever the fit: the profile is walked without it. A course that is longer throughout moves
+    its band's natural length, and nothing else.
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
@@ -34,6 +37,7 @@ class Profiles:
 
     seen: BandFit
     covariance: Array
+    beside: Array
 
     @property
     def setting(self) -> Setting:
@@ -56,7 +60,7 @@ class Profiles:
             for rival, worse in self._rivals:
                 if self._share(index) * (rival.fitted.cost - self.fitted.cost) > Z95**2:  # or it is among these ends
                     ends.append(rival._walked(index, Z95**2 - worse))
-            self._found[index] = min(low for low, _ in ends), max(high for _, high in ends)
+            self._found[index] = self._widened(index, min(low for low, _ in ends), max(high for _, high in ends))
         return self._found[index]
 
     def of_band(self, k: int, stretch: float) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -103,7 +107,7 @@ class Profiles:
             fitted = fit(self.setting, each.wear)
             if any(_alike(fitted.wear, one.fitted.wear) for one, _ in found):
                 continue
-            other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted))
+            other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted), self.beside)
             worse = max(self._against(fitted) ** 2 - other._against(self.fitted) ** 2, 0.0)
             found += [(other, worse)] if worse < Z95**2 else []
         return found[1:]
@@ -121,14 +125,24 @@ class Profiles:
         variance = float(replace(self.seen, null=None).covariance(scores)[-1, -1])
         return float(np.einsum("nd,nd,nd->", apart, weight, other.e) / np.sqrt(max(variance, 1e-300)))
 
+    def _widened(self, index: int, low: float, high: float) -> tuple[float, float]:
+        """With what is beside the profile."""
+        value, beside = float(self.fitted.wear.springs[index]), Z95 * float(np.sqrt(self.beside[index]))
+        return max(value - float(np.hypot(value - low, beside)), 0.0), value + float(np.hypot(high - value, beside))
+
+    def _std(self, index: int) -> float:
+        """Along the profile."""
+        whole = float(self.covariance[index, index])
+        return float(np.sqrt(max(whole - float(self.beside[index]), LEAST_OWN * whole)))
+
     def _share(self, index: int) -> float:
         """Of what the curvature tells of a value, what is really told."""
         _, coarse = self._coarse
-        return float(inverted(coarse.hessian)[index, index] / max(float(self.covariance[index, index]), 1e-300))
+        return float(inverted(coarse.hessian)[index, index] / max(self._std(index) ** 2, 1e-300))
 
     def _walked(self, index: int, level: float | None = None) -> tuple[float, float]:
         """level: from this fit alone, whatever others there are, to where it is so much worse."""
-        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
+        std, value = self._std(index), float(self.fitted.wear.springs[index])
         if not std > 0.0:  # the band pulls nowhere in this fit
             return 0.0, np.inf
         few, coarse = self._coarse

@@ -130,8 +130,8 @@ class Wear:
             start += len(each.coefficients)
         return replace(self, springs=theta[: len(self.springs)], added=tuple(added))
 
-    def with_added(self, one: Added) -> Wear:
-        return replace(self, added=(*self.added, one))
+    def with_added(self, *more: Added) -> Wear:
+        return replace(self, added=(*self.added, *more))
 
     def spring(self, wire: int) -> tuple[float, float]:
         """(k, l_0) of a declared band; of a further wire nothing is known."""

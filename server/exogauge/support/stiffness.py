@@ -28,6 +28,7 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions, inverted
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
+from exogauge.support.band_inputs import DONNING, VIA_POINTS
 from exogauge.support.band_interval import Profiles
 from exogauge.support.band_model import (
     LENGTH_DOUBT,
@@ -85,7 +86,16 @@ class Springs:
 
     @cached_property
     def _profiles(self) -> Profiles:
-        return Profiles(self.seen, self.doubt)
+        return Profiles(self.seen, self.doubt, self._of_courses)
+
+    @property
+    def _of_courses(self) -> Array:
+        """(P,) [m²] of natural lengths: variance from how long the courses are."""
+        parts = [np.diag(self.shares[name]) for name in (VIA_POINTS, DONNING) if name in self.shares]
+        variance = np.sum([np.zeros(len(self.doubt)), *parts], axis=0)
+        variance[self.seen.fitted.wear.layout.stiffness] = 0.0
+        variance[len(self.seen.fitted.wear.springs) :] = 0.0
+        return np.asarray(variance)
 
     def _by_slopes(self, k: int) -> tuple[Estimate, Estimate]:
         wear = self.seen.fitted.wear

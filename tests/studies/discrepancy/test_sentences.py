@@ -20,7 +20,7 @@ motor_gain viscous coulomb static_friction motor_offset stribeck load_coulomb as
 backlash elasticity joint_spring torque_ripple rotor_inertia kt_gain kt_saturation thermal_viscous
 torque_offset_drift torque_delay friction_shift coupling payload link_mass contact base_tilt ft_gain ft_crosstalk
 ft_drift imu_delay band_stiffness band_length band_viscous band_relaxation band_hardening band_slip band_via_friction
-extra_band band_limited_log encoder_zero"""
+extra_band band_limited_log encoder_zero band_softening"""
 
 
 def entry(found: Discrepancy) -> dict[str, Any]:

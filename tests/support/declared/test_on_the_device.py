@@ -136,25 +136,28 @@ def drawn_bands(bands, rng, std):
 
 def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_lengths_do(biped, suit, worn):
     """Via points drawn as declared, and bands as long as they were put on: RMS over draws of what that adds to the
-    torque, against the same of the columns."""
+    torque beside what each band's own natural length would, against the same of the columns."""
     bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
     setting, fitted = problem(biped, bands, worn)
     added, rng, squares = nuisance_torques(setting, fitted), np.random.default_rng(0), []
     k, l_0 = zip(*(fitted.wear.spring(b) for b in range(2)), strict=True)
+    _, taut = stretches_and_taut(setting.wires, l_0)
+    of_lengths = [wire.jacobian * (k[b] * taut[:, [b]]) for b, wire in enumerate(setting.wires)]
 
-    def torque(moved):
+    def torques(moved):
         wires = band_wires(setting.logs, Routing(biped.robot.tree, moved))
         pulls = np.array(k) * stretches(wires, np.array(l_0))
-        return sum(wire.jacobian * pulls[:, [b]] for b, wire in enumerate(wires))
+        return [wire.jacobian * pulls[:, [b]] for b, wire in enumerate(wires)]
 
-    as_described = torque(bands)
+    def beside(change, own):
+        return change - own * np.sum(setting.weight * own * change) / np.sum(setting.weight * own**2)
+
+    as_described, small = torques(bands), 0.05  # when a band comes taut is not looked at here
     for _ in range(60):
-        moved = drawn_bands(bands, rng, 0.002)
-        longer = 0.001 * rng.normal(size=(2, len(worn)))
-        _, taut = stretches_and_taut(setting.wires, l_0)
-        one = sum(wire.jacobian * (k[b] * taut[:, b] * longer[b, setting.logs.log])[:, None]
-                  for b, wire in enumerate(setting.wires))  # fmt: skip
-        squares.append((torque(moved) - as_described + one) ** 2)
+        moved, longer = torques(drawn_bands(bands, rng, 0.002 * small)), 0.001 * rng.normal(size=(2, len(worn)))
+        one = [own * longer[b, setting.logs.log][:, None] for b, own in enumerate(of_lengths)]
+        changes = [(own - was) / small + put_on for own, was, put_on in zip(moved, as_described, one, strict=True)]
+        squares.append(sum(beside(*each) for each in zip(changes, of_lengths, strict=True)) ** 2)
     used = setting.logs.used
     drawn, found = (
         np.sqrt(np.mean(np.where(used, each, 0.0), axis=0))

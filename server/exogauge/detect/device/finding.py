@@ -6,7 +6,8 @@ The plot that shows an effect of a band: torque that the wear's model lacks, ove
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
 from exogauge.detect.device.nominal import Contradicted
-from exogauge.detect.device.score import BandScore, Scorer
+from exogauge.detect.device.score import Scorer
 from exogauge.devices.result import Estimate
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
@@ -22,7 +23,7 @@ from exogauge.findings.basis import Moment, OfBand
 from exogauge.findings.binned import binned
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.findings.verdict import Objection, Why
-from exogauge.support.band_model import fit
+from exogauge.support.band_model import Reached, Setting, Wear, lowest
 from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
@@ -40,16 +41,20 @@ def rejection(ground: Ground, judged: BandJudgement, objection: Objection) -> Al
 
 
 def name_effect(
-    rank: int, ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds, of: str
+    rank: int,
+    ground: Ground,
+    winner: BandJudgement,
+    whole: BandJudgement,
+    rivals: Sequence[BandJudgement],
+    folds: Folds,
+    of: str,
 ) -> Finding:
-    """of: which wear, where there are several; or ""."""
+    """One band's. whole: what all bands together have that are named with it, which rivals are held against. of: which
+    wear, where there are several; or ""."""
     effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
     held_out = held(ground, winner.joint, winner.before, winner.after)
-    rivals = [each for each in judged if each is not winner]
     criteria = ground.model.criteria.device
-    alike = [
-        each for each in rivals if each.z > criteria.nearly_sure and abs(apart(winner, each)) < criteria.tell_apart
-    ]
+    alike = [each for each in rivals if each.z > criteria.nearly_sure and abs(apart(whole, each)) < criteria.tell_apart]
     others = [rejection(ground, each, Objection(Why.ALIKE) if each in alike else each.objection or Objection(Why.LESS))
               for each in rivals]  # fmt: skip
     return Finding(
@@ -98,25 +103,18 @@ def held(ground: Ground, joint: int, before: Array, after: Array) -> HeldOut:
 def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
     """Coefficients and shapes in SI units."""
     effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
+    setting = weighed(ground, winner.fitted).setting if effect.shapes else ground.setting
+    sharp = [_sharpness(setting, winner.fitted.wear, place) for place in range(len(effect.shapes))]
+    stds = np.sqrt(winner.std**2 + sum((each.moves**2 for each in sharp), np.zeros_like(winner.std)))
     found: dict[str, Estimate] = {}
-    for quantity, value, std in zip(effect.coefficients, winner.added.coefficients, winner.std, strict=True):
+    for quantity, value, std in zip(effect.coefficients, winner.added.coefficients, stds, strict=True):
         angular = wire.course.routing is None and quantity.unit == "N/m"
         found[quantity.name] = Estimate(float(value), float(std), "N·m/rad" if angular else quantity.unit)
-    scorer = _beside_the_springs(ground, winner) if effect.shapes else None
-    for place, one in enumerate(effect.shapes):
+    for one, value, own in zip(effect.shapes, winner.added.shape, sharp, strict=True):
         size, offset, name, unit = _in_si(one.name, one.unit, wire)
         if name and name not in found:
-            assert scorer is not None
-            value = offset + size * winner.added.shape[place]
-            found[name] = Estimate(value, abs(size) * _sharpness(scorer, winner, place), unit)
+            found[name] = Estimate(offset + size * value, abs(size) * own.std, unit)
     return found
-
-
-def _beside_the_springs(ground: Ground, winner: BandJudgement) -> Scorer:
-    """Of the effect's shapes, errors counted by what is left with it."""
-    setting = weighed(ground, winner.fitted).setting
-    without = replace(winner.fitted.wear, added=winner.fitted.wear.added[:-1])
-    return Scorer(setting, replace(fit(setting, without), wear=without))
 
 
 def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
@@ -130,30 +128,43 @@ def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
     return told.get(name, (1.0, 0.0, name, unit))
 
 
-def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
-    """Standard deviation of a shape: how far it must be moved for the gain to fall by one independent error, from both
-    sides together; inf where it does not fall within the shape's range."""
-    most_steps = 16
-    shift = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
-    added, one = winner.added, winner.added.effect.shapes[place]
-    here = added.shape[place]
+@final
+@dataclass(frozen=True)
+class Sharpness:
+    """std: of a shape. moves: (C,) by how much that moves the coefficients, which go with it."""
 
-    def gain(value: float) -> float:
-        shape = (*added.shape[:place], value, *added.shape[place + 1 :])
-        found: BandScore | None = scorer.score(added.effect, added.wire, shape)
-        return found.gain if found is not None else 0.0
+    std: float
+    moves: Array
 
-    best, step = gain(here), shift * (one.high - one.low)
+
+def _sharpness(setting: Setting, wear: Wear, place: int) -> Sharpness:
+    """How far a shape of what was added last must be moved for the cost to rise by one independent error, from both
+    sides together, everything else fitted to it; inf where it does not rise within the shape's range."""
+    most_steps = 12
+    step = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
+    added = wear.added[-1]
+    one = added.effect.shapes[place]
+    here = one.share(added.shape[place])
+
+    def moved(share: float) -> Reached:
+        shape = (*added.shape[:place], one.at(share), *added.shape[place + 1 :])
+        return lowest(setting, replace(wear, added=(*wear.added[:-1], replace(added, shape=shape))))
+
+    least = moved(here).cost
     for _ in range(most_steps):
-        ends = [max(here - step, one.low), min(here + step, one.high)]
-        fallen = float(np.mean([best - gain(end) for end in ends]))
-        if fallen > 4.0:  # it is moved less, or further, until the gain falls by something between 4 and 0.5
+        low, high = moved(max(here - step, 0.0)), moved(min(here + step, 1.0))
+        risen = 0.5 * (low.cost + high.cost) - least
+        if risen > 4.0:  # it is moved less, or further, until the cost rises by something between 4 and 0.5
             step *= 0.5
-        elif fallen < 0.5 and step < one.high - one.low:
+        elif risen < 0.5 and step < 1.0:
             step *= 2.0
         else:
             break
-    return float(step / np.sqrt(fallen)) if fallen > 0.0 else float("inf")
+    ends = [each.wear.added[-1] for each in (low, high)]
+    way, moves = (0.5 * np.abs(np.subtract(*pair)) for pair in (
+        [each.shape[place] for each in ends], [each.coefficients for each in ends]))  # fmt: skip
+    known = float(np.sqrt(risen)) if risen > 0.0 else 0.0
+    return Sharpness(float(way / known), moves / known) if known else Sharpness(float("inf"), moves)
 
 
 def _moment(ground: Ground, winner: BandJudgement) -> Moment:

@@ -6,6 +6,7 @@ beside springs that move a little, and a law that was named moves them by more.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -40,12 +41,14 @@ class Folds:
 @final
 @dataclass(frozen=True)
 class BandJudgement:
-    """One candidate, fitted with everything else. z: standard errors by which the square error on what was left out
-    falls; std: of its coefficients. before, after: (N, D) [N·m] residuals there, NaN where never left out. blocks: (B,)
-    gains by block, of samples that were left out; fitted_blocks: of all that are fitted, or of the logs in which an
-    effect of one moment acts. NaN: of none. joint: place of the one that shows it most."""
+    """One candidate, fitted with everything else. also: the same at further bands. z: standard errors by which the
+    square error on what was left out falls; std: of its coefficients, one band's after the other's. before, after: (N,
+    D) [N·m] residuals there, NaN where never left out. blocks: (B,) gains by block, of samples that were left out;
+    fitted_blocks: of all that are fitted, or of the logs in which an effect of one moment acts. NaN: of none. joint:
+    place of the one that shows it most."""
 
     added: Added
+    also: tuple[Added, ...]
     fitted: Fitted
     evidence: float
     left: float
@@ -61,6 +64,14 @@ class BandJudgement:
     @property
     def once(self) -> bool:
         return self.added.effect.once
+
+    @property
+    def members(self) -> tuple[Added, ...]:
+        return (self.added, *self.also)
+
+    @property
+    def score(self) -> BandScore:
+        return BandScore(self.added, 0.0, self.evidence, self.left, tuple(each.wire for each in self.also))
 
     @property
     def gone(self) -> Array:
@@ -110,32 +121,33 @@ def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[
 
 def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
     """Errors count as large, and as lasting, as they are once the effect is there: for the model without it, too."""
-    added, without = scored.added, ground.fitted.wear
-    after_all = weighed(ground, fit(ground.setting, without.with_added(added)))
+    without, members = ground.fitted.wear, scored.members
+    after_all = weighed(ground, fit(ground.setting, without.with_added(*members)))
     setting, fitted = after_all.setting, after_all.fitted
     base = fit(setting, without)
     gain = base.cost - fitted.cost
-    chosen = len(added.coefficients) + len(added.shape)
+    effect, width = scored.added.effect, len(members) * len(scored.added.coefficients)
     left_out = [left_out_residual(setting, wear, folds) for wear in (base.wear, fitted.wear)]
     used = setting.weight > 0.0
     seen = [np.where(used, each.e, np.nan) for each in (base, fitted)]
     acts = ground.model.criteria.device.acts
     gains, fitted_gains = ((was**2 - now**2) / after_all.sigma**2 for was, now in (left_out, seen))
-    by_joint = np.nansum(fitted_gains if added.effect.once else gains, axis=0)
-    by_joint = np.where(_acted_on(setting, fitted, len(added.coefficients), acts), by_joint, -np.inf)
-    if added.effect.once:  # logs before it can only dilute what those say in which it happens or lasts
+    by_joint = np.nansum(fitted_gains if effect.once else gains, axis=0)
+    by_joint = np.where(_acted_on(setting, fitted, width, acts), by_joint, -np.inf)
+    if effect.once:  # logs before it can only dilute what those say in which it happens or lasts
         acting = np.abs(fitted.A[:, :, -1]).sum(axis=1) > 0.0
         own = np.isin(setting.logs.log, setting.logs.log[acting])
         fitted_gains = np.where(own[:, None], fitted_gains, np.nan)
     blocks, fitted_blocks = by_block(setting.logs, gains), by_block(setting.logs, fitted_gains)
-    before, after = seen if added.effect.once else left_out
+    before, after = seen if effect.once else left_out
     judged = BandJudgement(
-        added=fitted.wear.added[-1],
+        added=fitted.wear.added[-len(members)],
+        also=fitted.wear.added[len(fitted.wear.added) - len(members) + 1 :],
         fitted=fitted,
-        evidence=evidence(setting, gain, base.cost, chosen),
+        evidence=evidence(setting, gain, base.cost, width + len(scored.added.shape)),
         left=scored.left,
-        z=sureness(fitted_blocks if added.effect.once else blocks),
-        std=after_all.deviations(fitted)[-len(added.coefficients) :],
+        z=sureness(fitted_blocks if effect.once else blocks),
+        std=after_all.deviations(fitted)[-width:],
         before=before,
         after=after,
         blocks=blocks,
@@ -147,7 +159,7 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
 
 
 def _acted_on(setting: Setting, fitted: Fitted, width: int, acts: float) -> BoolArray:
-    """(D,) joints on which the last effect acts more than by the way."""
+    """(D,) joints on which the last effect acts more than by the way. width: of its coefficients."""
     coefficients = fitted.wear.theta[-width:]
     size = np.sqrt(np.sum(setting.weight * (fitted.A[:, :, -width:] @ coefficients) ** 2, axis=0))
     return np.asarray(size >= acts * max(float(size.max()), 1e-300))
@@ -176,10 +188,11 @@ def rmse(e: Array, joint: int) -> float:
 def _objection(judged: BandJudgement, ground: Ground) -> Objection | None:
     criteria, judging = ground.model.criteria.device, ground.model.criteria.judging
     with np.errstate(over="ignore"):  # without any doubt it is as sure as can be
-        size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
+        sizes = np.abs([each.coefficients for each in judged.members])
+        size = float(np.min(np.max(sizes / np.maximum(judged.std.reshape(sizes.shape), 1e-300), axis=1)))
     sure = judging.once if judged.once else judging.sure
-    if float(size.max()) < sure:
-        return Objection(Why.SIZE_NOT_SURE, float(size.max()), sure)
+    if size < sure:
+        return Objection(Why.SIZE_NOT_SURE, size, sure)
     if judged.once:
         if judged.evidence < criteria.evidence_once:
             return Objection(Why.ONCE)
@@ -195,7 +208,7 @@ def _objection(judged: BandJudgement, ground: Ground) -> Objection | None:
     if judged.explained < judging.least:
         return Objection(Why.LITTLE, max(judged.explained, 0.0))
     gains = (judged.before**2 - judged.after**2) / ground.sigma**2
-    for name, inside in _regimes(ground, judged.added.wire):
+    for name, inside in itertools.chain(*(_regimes(ground, each.wire) for each in judged.members)):
         own = np.where(inside[:, None], gains, np.nan)
         if np.isfinite(own).any(axis=1).sum() >= judging.fewest_in_regime:
             worse = sureness(by_block(ground.setting.logs, own))
@@ -208,7 +221,8 @@ def _size(judged: BandJudgement, ground: Ground) -> float:
     """RMS of what the effect adds on that joint, in what is worth a name."""
     logs, joint = ground.setting.logs, judged.joint
     used = logs.used[:, joint]
-    own = judged.fitted.A[used, joint, -len(judged.added.coefficients) :] @ judged.added.coefficients
+    coefficients = np.concatenate([each.coefficients for each in judged.members])
+    own = judged.fitted.A[used, joint, -len(coefficients) :] @ coefficients
     support = float(np.sqrt(np.mean(logs.torque[used, joint] ** 2)))
     least = ground.model.criteria.device.of_support * support
     return float(np.sqrt(np.mean(own**2)) / max(min(least, ground.floor[joint]), 1e-300))
@@ -236,14 +250,15 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
         return winner
     setting, criteria = weighed(ground, winner.fitted).setting, ground.model.criteria.device
 
-    def tried(shares: Array) -> Added:
+    def tried(shares: Array) -> tuple[float, ...]:
         shape = list(added.shape)
         for k, share in zip(free, np.clip(shares, 0.0, 1.0), strict=True):
             shape[k] = shapes[k].at(float(share))
-        return replace(added, shape=tuple(shape))
+        return tuple(shape)
 
     def cost(shares: Array) -> float:
-        return lowest(setting, without.with_added(tried(shares))).cost
+        shape = tried(shares)
+        return lowest(setting, without.with_added(*(replace(each, shape=shape) for each in winner.members))).cost
 
     start = np.array([shapes[k].share(added.shape[k]) for k in free])
     steps = np.array([_first_step(shapes[k], criteria) for k in free]) * np.where(start < 0.9, 1.0, -1.0)
@@ -254,7 +269,7 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
     )  # fmt: skip
     if found.fun > cost(start) - criteria.shape_worth:
         return winner
-    again = judge(ground, BandScore(tried(found.x), 0.0, winner.evidence, winner.left), folds)
+    again = judge(ground, replace(winner.score, added=replace(added, shape=tried(found.x))), folds)
     better = winner.once or float(np.nansum(again.blocks)) > float(np.nansum(winner.blocks))
     return again if better and not again.objection else winner
 

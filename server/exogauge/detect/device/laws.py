@@ -14,13 +14,13 @@ from exogauge.detect.device.baseline import Ground, weighed, whitened
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import name_effect, rejection
 from exogauge.detect.device.judge import BandJudgement, Folds, judge, rmse, with_best_shape
-from exogauge.detect.device.score import BandScore, Scorer, candidates
+from exogauge.detect.device.score import BandScore, Scorer, Wires, candidates
 from exogauge.effects.band import BandEffect
 from exogauge.findings.result import Alternative, Finding
 from exogauge.findings.verdict import Objection, Why
 from exogauge.search.judge import not_named, refused
 from exogauge.side_by_side import each as side_by_side
-from exogauge.support.band_model import Wear
+from exogauge.support.band_model import Wear, fit
 
 Array = NDArray[np.float64]
 
@@ -29,13 +29,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Laws:
     """What was named so far. first: before anything was; ground: with all of it. wears: without anything, then with
-    one finding after the other. tried: shapes. unclear: a further band whose course leaves too much to look on."""
+    one finding after the other. rounds: in which something was named. tried: shapes. unclear: a further band whose
+    course leaves too much to look on."""
 
     first: Ground
     ground: Ground
     wears: tuple[Wear, ...]
     findings: tuple[Finding, ...] = ()
     rejected: tuple[Alternative, ...] = ()
+    rounds: int = 0
     tried: int = 0
     unclear: bool = False
 
@@ -48,22 +50,37 @@ def find_laws(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds, n
         ground, judged, tried = _judged(laws.ground, effects, folds)
         beside = [each.objection or _remainder(each, explained, criteria) for each in judged]
         judged = [replace(each, objection=why) for each, why in zip(judged, beside, strict=True)]
-        rejected = tuple(rejection(ground, each, each.objection) for each in judged if each.objection)
+        rejected = tuple(rejection(ground, each, each.objection) for each in judged if each.objection and not each.also)
         laws = replace(laws, ground=ground, rejected=rejected, tried=max(laws.tried, tried))
-        winner = next((each for each in judged if not each.objection), None)
-        if winner is None or len(laws.findings) >= criteria.most_effects:
+        likely = (each for each in judged if not each.objection)
+        sharpened = (_sharpened(ground, each, folds) for each in likely)
+        found = next((each for each in sharpened if not any(one.objection for one in each[2])), None)
+        if found is None or laws.rounds >= criteria.most_effects:
             return laws
-        ground, winner, judged = _sharpened(ground, winner, judged, folds)
-        finding = name_effect(named + len(laws.findings) + 1, ground, winner, judged, folds, of)
-        if objection := refused(finding, ground.model.criteria.judging):
-            return replace(laws, rejected=(*rejected, not_named(finding, objection)))
+        ground, winner, members = found
+        rivals = [
+            each for each in judged if not each.also and each.added.key not in {one.key for one in winner.members}
+        ]
+        rank = named + len(laws.findings) + 1
+        findings = [name_effect(rank + k, ground, one, winner, rivals, folds, of) for k, one in enumerate(members)]
+        objected = [(each, why) for each in findings if (why := refused(each, ground.model.criteria.judging))]
+        if objected:
+            return replace(laws, rejected=(*rejected, *(not_named(each, why) for each, why in objected)))
         explained = np.maximum(explained, winner.gone)
+        before = laws.wears[-1]
         ground = weighed(ground, winner.fitted)
-        wears, findings = (*laws.wears, ground.fitted.wear), (*laws.findings, finding)
+        last = ground.fitted.wear
+        one_by_one = [replace(last, added=last.added[: len(before.added) + k + 1]) for k in range(len(members))]
         wire, left = winner.added.effect.sort == "wire", rmse(winner.after, winner.joint)
-        unclear = wire and left > criteria.clear * ground.floor[winner.joint]
-        laws = replace(laws, ground=ground, wears=wears, findings=findings, unclear=unclear)
-        if unclear:
+        laws = replace(
+            laws,
+            ground=ground,
+            wears=(*laws.wears, *one_by_one),
+            findings=(*laws.findings, *findings),
+            rounds=laws.rounds + 1,
+            unclear=wire and left > criteria.clear * ground.floor[winner.joint],
+        )
+        if laws.unclear:
             return laws
 
 
@@ -73,11 +90,12 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
     criteria = ground.model.criteria.device
 
-    def best_of(candidate: tuple[BandEffect, int]) -> tuple[BandScore | None, int]:
-        best, count = scorer.best(*candidate)
+    def best_of(candidate: tuple[BandEffect, Wires]) -> tuple[BandScore | None, int]:
+        effect, wires = candidate
+        best, count = scorer.best(effect, *wires)
         return None if best is None or best.evidence <= criteria.worth_judging else scorer.refined(best), count
 
-    for best, count in side_by_side(best_of, candidates(scorer, effects)):
+    for best, count in side_by_side(best_of, candidates(scorer, effects, ground.device.bands)):
         tried += count
         worth += [] if best is None else [best]
     for effect in (each for each in effects.values() if each.sort == "wire"):
@@ -90,14 +108,22 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
 
 
 def _sharpened(
-    ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds
+    ground: Ground, winner: BandJudgement, folds: Folds
 ) -> tuple[Ground, BandJudgement, list[BandJudgement]]:
-    """The winner with its best shape, or on its best course, in its place among the others; and the ground with it."""
+    """The winner with its best shape, or on its best course, and the ground with it; and each band's own part in it,
+    beside the others': each must take its own error off."""
     if winner.added.effect.sort == "wire":
-        ground, again = _on_best_course(ground, winner, folds)
+        ground, winner = _on_best_course(ground, winner, folds)
     else:
-        again = with_best_shape(ground, winner, folds)
-    return ground, again, [again if each is winner else each for each in judged]
+        winner = with_best_shape(ground, winner, folds)
+    if not winner.also:
+        return ground, winner, [winner]
+    members, alone = list[BandJudgement](), replace(winner.score, also=())
+    for own in winner.members:
+        others = ground.fitted.wear.with_added(*(each for each in winner.members if each is not own))
+        beside = replace(ground, fitted=fit(ground.setting, others))
+        members.append(judge(beside, replace(alone, added=own), folds))
+    return ground, winner, members
 
 
 def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:

@@ -187,6 +187,8 @@ def _told(
         told["elsewhere"] = ", ".join(
             f"{observed.labels[m]} {100 * far[m]:.0f} cm from where its name says" for m in moved
         )
+        if pairs := _as_if_exchanged(observed, moved, shared.scale, offset):
+            told["elsewhere"] += f"; as if exchanged: {', '.join(pairs)}"
     lost = untracked(observed)
     if lost:
         told["not_tracked"] = f"no points on {', '.join(lost)}: nothing says their joints' angles"
@@ -201,3 +203,12 @@ def _told(
     if still:
         told["not_settled"] = "; ".join(still)
     return told
+
+
+def _as_if_exchanged(observed: Observed, moved: Sequence[int], scale: Array, offset: Array) -> list[str]:
+    """Pairs of markers on one part, each nearer to where the other's name says than to where its own does."""
+    nominal = observed.points.nominal * scale[observed.points.stretch]
+    far = np.linalg.norm((nominal + offset)[:, None] - nominal[None], axis=2)
+    pairs = [(a, b) for k, a in enumerate(moved) for b in moved[k + 1 :] if observed.segment[a] == observed.segment[b]]
+    return [f"{observed.labels[a]} and {observed.labels[b]}" for a, b in pairs
+            if far[a, b] < far[a, a] and far[b, a] < far[b, b]]  # fmt: skip

@@ -42,7 +42,7 @@ def shared_fit(
 
     σ is estimated from what is left, over the degrees of freedom, and the fit repeated with it.
     q: (F, K) to start from. scale: (S,), offset: (M, 3) likewise. It has settled where what a step promises is less
-    than `to_go`, in σ²: all unknowns together are within √to_go deviations then.
+    than `to_go`, in σ²: all unknowns together would move by √to_go deviations.
     """
     F, K = q.shape
     S, M = len(SCALES), len(observed.labels)

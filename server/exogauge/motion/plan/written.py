@@ -110,6 +110,8 @@ def swing(robot: MotionRobot, table: Written, time: Array, q: Array) -> str | No
 def read_written(robot: MotionRobot, path: Path) -> Written:
     """Columns t [s] and q.<joint> [rad or m]; the base is where the feet that stand put it: all, but those whose column
     stands.<link> says 0. Raises BadMotion, BadLog."""
+    if path.is_dir():
+        raise BadMotion(Fault("is a folder", "a_folder", "Name the table in it", path.name))
     if not path.is_file():
         raise BadMotion(Fault("there is no such file", "no_file", "Look at its name", path.name))
     table = open_table(path, path.name)
