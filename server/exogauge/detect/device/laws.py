@@ -52,20 +52,19 @@ def find_laws(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds, n
         judged = [replace(each, objection=why) for each, why in zip(judged, beside, strict=True)]
         rejected = tuple(rejection(ground, each, each.objection) for each in judged if each.objection and not each.also)
         laws = replace(laws, ground=ground, rejected=rejected, tried=max(laws.tried, tried))
-        likely = (each for each in judged if not each.objection)
-        sharpened = (_sharpened(ground, each, folds) for each in likely)
-        found = next((each for each in sharpened if not any(one.objection for one in each[2])), None)
-        if found is None or laws.rounds >= criteria.most_effects:
+        if laws.rounds >= criteria.most_effects:
             return laws
-        ground, winner, members = found
-        rivals = [
-            each for each in judged if not each.also and each.added.key not in {one.key for one in winner.members}
-        ]
+        sharpened = ((each, *_sharpened(ground, each, folds)) for each in judged if not each.objection)
+        found = next((each for each in sharpened if not any(one.objection for one in each[-1])), None)
+        if found is None:
+            return laws
+        likeliest, ground, winner, members = found
+        own = {each.key for each in winner.members}
+        rivals = [each for each in judged if each is not likeliest and not each.also and each.added.key not in own]
         rank = named + len(laws.findings) + 1
         findings = [name_effect(rank + k, ground, one, winner, rivals, folds, of) for k, one in enumerate(members)]
-        objected = [(each, why) for each in findings if (why := refused(each, ground.model.criteria.judging))]
-        if objected:
-            return replace(laws, rejected=(*rejected, *(not_named(each, why) for each, why in objected)))
+        if objected := [(each, why) for each in findings if (why := refused(each, ground.model.criteria.judging))]:
+            return replace(laws, rejected=(*rejected, *(not_named(*each) for each in objected)))
         explained = np.maximum(explained, winner.gone)
         before = laws.wears[-1]
         ground = weighed(ground, winner.fitted)
