@@ -194,7 +194,7 @@ def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_i
     assert not at_home(hardly, USUAL).lacks
     assert at_home(hardly, USUAL).excess > 0.0  # what is kept of the bound for planning is too little
     found, *_ = plan_within(hardly, bend(robot, 0.2, 1.0))
-    assert found.spline.at(np.zeros(1))[0][0] == pytest.approx(robot.home, abs=1e-9)
+    assert found.spline.at(np.zeros(1))[0][0] == pytest.approx(robot.home, abs=1e-8)  # rad: where the solver ends
 
 
 def just_enough(robot: MotionRobot) -> float:
