@@ -15,7 +15,6 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Stretch = tuple[int, int]
 Leaps = dict[int, Array]
-CHUNK = 4096  # frames
 
 
 def sort_out(names: Sequence[str], position: Array, rate: float, segment: Mapping[str, str]) -> dict[str, str]:
@@ -99,8 +98,9 @@ def leaps_of(position: Array, rate: float, points: Sequence[int], criteria: Moti
 
 def _of_steps(position: Array, test: Callable[[Array, Array], BoolArray]) -> BoolArray:
     """(T - 1, N) of what is seen in a frame and in the next, (., N, 3) each; some thousand at a time."""
-    parts = range(0, len(position) - 1, CHUNK)
-    return np.concatenate([test(position[k : k + CHUNK][: len(position) - 1 - k], position[k + 1 : k + 1 + CHUNK])
+    together = 4096  # frames: 5 MB of 50 markers, whatever the capture's length
+    parts = range(0, len(position) - 1, together)
+    return np.concatenate([test(position[k : k + together][: len(position) - 1 - k], position[k + 1 : k + 1 + together])
                            for k in parts])  # fmt: skip
 
 

@@ -29,7 +29,6 @@ PARTS: tuple[Segment, ...] = ("pelvis", "thorax", "head")
 BESIDE: tuple[tuple[Segment, Segment, int], ...] = (  # at rest the head lies above the chest, arms on its sides
     ("thorax", "head", 2), ("r_upper_arm", "l_upper_arm", 1),
 )  # fmt: skip
-ARM = 0.5  # m, a trunk's length: at its end a turn shows as a way
 CARRIED: Mapping[Segment, tuple[Segment, Segment, Segment]] = {  # on the left, on the right, above
     "pelvis": ("l_thigh", "r_thigh", "thorax"), "thorax": ("l_upper_arm", "r_upper_arm", "head"),
 }  # fmt: skip
@@ -75,8 +74,9 @@ class Person:
         for long."""
         time = self.time[kept]
         rate = float((len(time) - 1) / (time[-1] - time[0]))
-        ahead = self.pelvis + ARM * self.turn[..., 0]
-        chest = self.pelvis + ARM * (self.turn @ self.trunk)[..., 2]
+        reach = 0.5  # [m] a trunk's length: at its end a turn shows as a way
+        ahead = self.pelvis + reach * self.turn[..., 0]
+        chest = self.pelvis + reach * (self.turn @ self.trunk)[..., 2]
         points = np.stack([self.pelvis, ahead, chest], axis=1)[kept]
         for n, leap in sorted(leaps_of(points, rate, range(3)).items()):
             t = int(np.linalg.norm(leap, axis=1).argmax())

@@ -13,7 +13,6 @@ from exogauge.motion.human import HumanMotion, JointTree, Markers
 Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 DOUBT = "toes point behind the hips"
-FEWEST = 3  # pairs of which two outvote one
 WHY = "Left and right are exchanged in the names, or one axis of the file points the other way"
 
 
@@ -35,7 +34,8 @@ def _crossed(motion: HumanMotion) -> list[str]:
         each[:, 2] = 0.0
         each[np.linalg.norm(each, axis=1) < USUAL.apart_m] = np.nan
         each /= np.linalg.norm(each, axis=1, keepdims=True)
-    if len(way) < FEWEST:
+    fewest = 3  # pairs, of which two outvote one
+    if len(way) < fewest:
         return []
     all_ways = np.sum([np.nan_to_num(each) for each in way.values()], axis=0)
     found = []

@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 
 SKEWED = 0.02  # std over the value (over the stretch, for a length) from which a symmetric interval's ends are tried
 SHORTEST = 1e-3  # [N/m or m] of either value
-LEAST_OWN = 0.01  # of a value's variance, that is along its profile: what is beside it overlaps
 
 
 @final
@@ -132,8 +131,9 @@ class Profiles:
 
     def _std(self, index: int) -> float:
         """Along the profile."""
+        least = 0.01  # of a variance: it is a sum with what is beside, of which rounding may leave nothing
         whole = float(self.covariance[index, index])
-        return float(np.sqrt(max(whole - float(self.beside[index]), LEAST_OWN * whole)))
+        return float(np.sqrt(max(whole - float(self.beside[index]), least * whole)))
 
     def _share(self, index: int) -> float:
         """Of what the curvature tells of a value, what is really told."""
