@@ -33,6 +33,11 @@ class Shape:
     choice: bool = False
     words: str = ""
 
+    @property
+    def of_two(self) -> bool:
+        """One of its ends or the other, and nothing between."""
+        return self.grid == (self.low, self.high)
+
     def share(self, value: float) -> float:
         """0…1 between the bounds; in logarithms where both are positive."""
         if self.low > 0.0:

@@ -144,7 +144,7 @@ def _sharpness(setting: Setting, wear: Wear, place: int) -> Sharpness:
     step = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
     added = wear.added[-1]
     one = added.effect.shapes[place]
-    if one.grid == (one.low, one.high):  # a choice between two
+    if one.of_two:
         return Sharpness(float("inf"), np.zeros(len(added.coefficients)))
     here = one.share(added.shape[place])
 

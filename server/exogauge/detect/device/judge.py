@@ -245,7 +245,7 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
     left out of the fit; else as it was. Of an effect of one moment nothing was left out."""
     added, without = winner.added, ground.fitted.wear
     shapes = added.effect.shapes
-    free = [k for k, one in enumerate(shapes) if one.grid != (one.low, one.high)]
+    free = [k for k, one in enumerate(shapes) if not one.of_two]
     if not free:
         return winner
     setting, criteria = weighed(ground, winner.fitted).setting, ground.model.criteria.device

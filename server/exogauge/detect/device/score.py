@@ -144,7 +144,7 @@ def candidates(
 
 
 def _around(one: Shape, value: float, reach: float) -> Iterator[float]:
-    if one.grid == (one.low, one.high):  # a choice between two, not a range
+    if one.of_two:
         yield from one.grid
         return
     if one.low > 0.0:  # sizes over decades: by ratios
