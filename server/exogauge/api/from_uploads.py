@@ -153,5 +153,9 @@ def still_there(upload: UploadRecord, path: Path) -> BinaryIO:
 
 def mapping_text(mapping: dict[str, Any] | str) -> bytes:
     """The bytes of a mapping.yaml."""
-    text = mapping if isinstance(mapping, str) else yaml.safe_dump(mapping, allow_unicode=True, sort_keys=False)
+    try:
+        text = mapping if isinstance(mapping, str) else yaml.safe_dump(mapping, allow_unicode=True, sort_keys=False)
+    except RecursionError:
+        advice = "A mapping is a few levels deep."
+        raise BadInput(Fault("it is nested too deeply", "too_deep", advice, column="mapping")) from None
     return text.encode("utf-8", "backslashreplace")
