@@ -50,7 +50,8 @@ class Screen:
 
     def gains(self, remedies: Sequence[Remedy], touched: Sequence[Sequence[int]]) -> Array:
         """(R,) in log likelihood of two logs at the most: no verdict, but a hundredth of the work of one."""
-        return np.sum([self._gains(each, remedies, touched) for each in self._seen[:2]], axis=0)
+        found = [self._gains(each, remedies, touched) for each in self._seen[:2]]
+        return np.asarray(np.sum(found, axis=0))
 
     def _gains(self, seen: Snapshot, remedies: Sequence[Remedy], touched: Sequence[Sequence[int]]) -> Array:
         """(R,) in log likelihood, over the moments in which an axis moves by both readings."""
