@@ -101,6 +101,8 @@ def create_log_from_upload(
         pinned, rules, summary = receive(name, part, mapping, wanted.robot_id, storage, settings)
     with storage.transaction() as store:
         log, new = store.logs.add(pinned, rules, summary)
+        if new:
+            store.refuse_bytes(0)
     remove([upload], storage, files)
     response.status_code = 201 if new else 200
     return LogOut.model_validate(log)

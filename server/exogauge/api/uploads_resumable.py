@@ -137,6 +137,7 @@ def create_upload(
     files.create(key)
     with storage.transaction() as store:
         upload = store.uploads.add(key, name, size, until(settings))
+        store.refuse_bytes(0, coming=True)
     response.headers["Location"] = request.url_for("get_upload_offset", upload_id=key).path
     response.headers["Upload-Expires"] = http_date(upload)
     return UploadOut(**shown(upload), offset=0)
