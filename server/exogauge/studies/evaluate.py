@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from exogauge.detect.device.finding import with_numbers_beside
 from exogauge.detect.device.uncovered_joints import look_beyond
 from exogauge.detect.device.workflow import find_band_effects
 from exogauge.detect.not_searched import not_searched
@@ -247,6 +248,7 @@ def _with_devices(
                 discrepancy = replace(discrepancy, before_after=difference)
             discrepancy = _with_wear(study, found, plain, gathered, stiffness, discrepancy, span)
             stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
+            discrepancy = with_numbers_beside(discrepancy, stiffness)
     return support, stiffness, discrepancy
 
 

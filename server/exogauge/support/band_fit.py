@@ -39,6 +39,7 @@ from exogauge.support.band_model import (
 )
 from exogauge.support.band_rows import WearLogs, Wire
 from exogauge.support.band_weights import memories, spread, weights
+from exogauge.support.named_laws import with_best_shapes
 
 Array = NDArray[np.float64]
 
@@ -98,10 +99,16 @@ def fit_beside(
     sigma: Array,
     named: BandFit,
 ) -> BandFit:
-    """With what was named beside the springs, believed as the search believes them."""
+    """With what was named beside the springs, believed as the search believes them, at the shapes that suit it best
+    with what is declared beside it, too."""
     wear, W = named.fitted.wear, len(wires)
     wires += tuple(logs.wire(wire.course) for wire in named.setting.wires[W:])
     return _beside_beliefs(_weighed_fit(logs, wires, null, robot, sigma, named.setting.belief, [wear]))
+
+
+def without_shapes(setting: Setting, fitted: Fitted) -> Setting:
+    """With all that is fitted beside the springs but the shapes of what was named."""
+    return replace(setting, added=nuisance_torques(setting, fitted, shapes=False))
 
 
 def _weighed_fit(
@@ -125,6 +132,10 @@ def _weighed_fit(
         setting = replace(setting, weight=weight, independent=independent)
         setting = replace(setting, added=nuisance_torques(setting, fitted))
         fitted = fit(setting, best_start(setting, [fitted.wear, *others]))
+    if fitted.wear.added:
+        fitted = fit(setting, with_best_shapes(without_shapes(setting, fitted), fitted.wear))
+        setting = replace(setting, added=nuisance_torques(setting, fitted))
+        fitted = fit(setting, fitted.wear)
     return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted)
 
 

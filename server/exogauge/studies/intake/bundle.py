@@ -91,7 +91,7 @@ class Bundle:
             raise TooLarge(Fault(f"the file is larger than {limit} bytes", "file_too_large", "", name))
         return path.read_bytes()
 
-    def _names(self, within: PurePosixPath = PurePosixPath()) -> list[str]:
+    def _names(self, within: str | PurePosixPath = "") -> list[str]:
         found = (path for path in (self.root / within).rglob("*") if path.is_file())
         return sorted(str(path.relative_to(self.root).as_posix()) for path, _ in zip(found, range(500), strict=False))
 
