@@ -52,12 +52,14 @@ SHARE = 0.2  # of a unit direction: a value with more is part of it
 @dataclass(frozen=True)
 class BandFit:
     """What the samples say. robot: covariance of its parameters. null: logs without the device as if it were on. joints
-    of the setting: those of the result come first."""
+    of the setting: those of the result come first. beyond: (P,) by which theta would be another if shapes of what was
+    named could not go on, along their slopes, beyond all that the law can be."""
 
     robot: Array
     null: Setting | None
     setting: Setting
     fitted: Fitted
+    beyond: Array | None = None
 
     def covariance(self, fitted: Fitted) -> Array:
         """(P, P) of theta about the truth."""
@@ -132,11 +134,14 @@ def _weighed_fit(
         setting = replace(setting, weight=weight, independent=independent)
         setting = replace(setting, added=nuisance_torques(setting, fitted))
         fitted = fit(setting, best_start(setting, [fitted.wear, *others]))
+    beyond = None
     if fitted.wear.added:
-        fitted = fit(setting, with_best_shapes(without_shapes(setting, fitted), fitted.wear))
-        setting = replace(setting, added=nuisance_torques(setting, fitted))
-        fitted = fit(setting, fitted.wear)
-    return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted)
+        alone = without_shapes(setting, fitted)
+        within = fit(alone, with_best_shapes(alone, fitted.wear))
+        setting = replace(setting, added=nuisance_torques(setting, within))
+        fitted = fit(setting, within.wear)
+        beyond = fitted.wear.theta - within.wear.theta
+    return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted, beyond)
 
 
 def null_test(logs: WearLogs | None, setting: Setting, fitted: Fitted, counts: Array) -> Setting | None:

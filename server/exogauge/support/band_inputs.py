@@ -122,8 +122,9 @@ class BandInputs:
         small, wear = 1e-3, self._wear
         before = residual(self._logs, self._wires, wear) if wear.added else np.zeros(0)
         for number, each in enumerate(wear.added):
-            for place, shape in enumerate(each.effect.shapes):
-                share, now = shape.share(each.shape[place]), list(each.shape)
+            for place in each.searched:
+                shape, now = each.effect.shapes[place], list(each.shape)
+                share = shape.share(now[place])
                 step = small if share + small <= 1.0 else -small
                 now[place] = shape.at(share + step)
                 added = list(wear.added)

@@ -21,18 +21,19 @@ Array = NDArray[np.float64]
 
 
 def with_best_shapes(setting: Setting, wear: Wear) -> Wear:
-    """One shape after the other, from where the search found it, everything else fitted to it. setting: with all that
-    is declared beside the springs, and no shapes."""
+    """One shape after the other, from where the search found it, everything else fitted to it; and linear about what
+    the coefficients then are. setting: with all that is declared beside the springs, and no shapes."""
     rounds = 2  # shapes of one law go with each other a little
     few, begun = thinned(setting), wear
     for _ in range(rounds):
         for number, added in enumerate(begun.added):
             if added.effect.once or any(_alike(each, added) for each in begun.added[:number]):
                 continue
-            for place, one in enumerate(added.effect.shapes):
-                if not one.of_two:
-                    share = _best_share(few, wear, number, place, one.share(added.shape[place]))
-                    wear = moved(wear, number, place, share)
+            for place in added.searched:
+                believed = added.effect.shapes[place].share(added.shape[place])
+                wear = moved(wear, number, place, _best_share(few, wear, number, place, believed))
+        reached = lowest(setting, wear).wear
+        wear = replace(reached, added=tuple(each.linear_about_itself() for each in reached.added))
     return wear
 
 
@@ -61,7 +62,8 @@ def moved(wear: Wear, number: int, place: int, share: float) -> Wear:
 
 def _alike(one: Added, other: Added) -> bool:
     """Named together, at the bands of a group."""
-    return one.effect.name == other.effect.name and one.shape == other.shape
+    same = (one.shape[place] == other.shape[place] for place in one.searched)
+    return one.effect.name == other.effect.name and all(same)
 
 
 @final
@@ -75,7 +77,10 @@ class Sharpness:
 
 def sharpness(setting: Setting, wear: Wear, number: int) -> list[Sharpness]:
     """Of each shape of what was added."""
-    return [_of_shape(setting, wear, number, place) for place in range(len(wear.added[number].effect.shapes))]
+    added = wear.added[number]
+    unknown = Sharpness(float("inf"), np.zeros(len(added.coefficients)))
+    places = range(len(added.effect.shapes))
+    return [_of_shape(setting, wear, number, place) if place in added.searched else unknown for place in places]
 
 
 def _of_shape(setting: Setting, wear: Wear, number: int, place: int) -> Sharpness:
@@ -85,8 +90,6 @@ def _of_shape(setting: Setting, wear: Wear, number: int, place: int) -> Sharpnes
     step = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
     added = wear.added[number]
     one = added.effect.shapes[place]
-    if one.of_two:
-        return Sharpness(float("inf"), np.zeros(len(added.coefficients)))
     here = one.share(added.shape[place])
 
     def at(share: float) -> Reached:

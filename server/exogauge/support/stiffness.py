@@ -24,7 +24,7 @@ from exogauge.devices.result import Approach, BandEstimate, Estimate, NamedLaw, 
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import LINEAR
 from exogauge.identification.model import RobotModel
-from exogauge.identification.type_b import ROBOT
+from exogauge.identification.type_b import ROBOT, UNEXPLAINED
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions, inverted
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved, without_shapes
@@ -171,6 +171,8 @@ def fit_springs(
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
     shares = contributions(seen.setting, seen.fitted, of_robot, seen.null)
+    if seen.beyond is not None:
+        shares |= {UNEXPLAINED: np.outer(seen.beyond, seen.beyond)}
     return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind | undecided(plan, shares)))
 
 
