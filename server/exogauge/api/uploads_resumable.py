@@ -9,7 +9,6 @@ been found right. What arrived is used by `createStudyFromUpload`, `createLogFro
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import os
 import shutil
@@ -138,6 +137,7 @@ def create_upload(
     files.create(key)
     with storage.transaction() as store:
         upload = store.uploads.add(key, name, size, until(settings))
+        store.refuse_bytes(0, coming=True)
     response.headers["Location"] = request.url_for("get_upload_offset", upload_id=key).path
     response.headers["Upload-Expires"] = http_date(upload)
     return UploadOut(**shown(upload), offset=0)
@@ -256,7 +256,7 @@ def digest_of(checksum: str | None) -> tuple[Any, bytes] | None:
     algorithm, _, text = checksum.partition(" ")
     try:
         expected = base64.b64decode(text, validate=True)
-    except binascii.Error:
+    except ValueError:  # letters beyond ASCII, too
         expected = b""
     if algorithm not in ALGORITHMS or len(expected) != hashlib.new(algorithm).digest_size:
         raise HTTPException(400, f"Upload-Checksum is one of {', '.join(ALGORITHMS)}, a blank and its base64")
@@ -270,7 +270,7 @@ def name_in(metadata: str | None) -> str:
         key, _, text = entry.strip().partition(" ")
         try:
             given[key] = base64.b64decode(text, validate=True).decode()
-        except (binascii.Error, UnicodeDecodeError):
+        except ValueError:
             raise HTTPException(400, f"Upload-Metadata: {key[:80]!a} is no UTF-8 in base64") from None
     found = (given[key] for key in ("relativePath", "filename", "name") if given.get(key) not in (None, "", "null"))
     return safe_path(next(found, "upload"))

@@ -43,6 +43,11 @@ FORMS: Mapping[About, Form] = {
         "{beside}: its links weigh {0:.4g} kg, and half of that has an inertia of zero along some axis, which no body "
         "has: give those of the maker, or of a box of the link's size."
     ),
+    About.MASSES_ALIKE: Form(
+        "{beside}: each of its {1:.0f} links that weigh weighs {0:.4g} kg, as where a number stands in for what nobody "
+        "knew. Masses that the logs do not tell stay as they are stated there: give those of the maker, or state that "
+        "they are not known (`inertial_prior_std` in robot.yaml)."
+    ),
     About.LIMITS_IN_DEGREES: Form(
         "{beside}: half of the joints that turn do so to {0:.3g} rad and more. Limits of a URDF are in rad: were they "
         "written in degrees? Units of logs and planned motions rest on them."
