@@ -122,6 +122,21 @@ def test_a_joint_that_is_turned_wholly_is_named_or_undecided_though_friction_is_
     assert told(robot, stiff) == []
 
 
+@pytest.mark.parametrize(
+    ("rub", "pair"), [(2.0, ("lift", "elbow")), (4.0, ("pan", "elbow")), (8.0, ("elbow", "wrist"))]
+)
+def test_two_joints_that_are_exchanged_are_named_though_neither_is_in_doubt(
+    tmp_path: Path, rub: float, pair: tuple[str, str]
+) -> None:
+    """Silent before, or gravity was told to pull elsewhere: other bodies make up for it."""
+    stiff = [record(seed, rub=rub) for seed in (1, 2, 3)]
+    other = dict(zip(pair, pair[::-1], strict=True))
+    swapped = [each | {f"{k}.{one}": each[f"{k}.{other[one]}"] for k in "qi" for one in pair} for each in stiff]
+    found = [each for _, each in told(long_arm(tmp_path), swapped)]
+    assert {(each.channel, each.rule) for each in found} == {(f"q.{pair[0]}", "joints_exchanged")}
+    assert f"q.{pair[1]}" in found[0].detail
+
+
 @pytest.mark.parametrize("joint", ["lift", "elbow", "wrist"])
 def test_a_sign_that_other_bodies_would_explain_is_named_all_the_same(tmp_path: Path, joint: str) -> None:
     """Without friction to tell it, a turned current asks for a centre of mass on the other side, and leaves little."""

@@ -177,8 +177,8 @@ class _State:
 
     def best_remedy(self) -> Slip | None:
         doubted = self.doubted()
-        turned = self.gains_of_turned(set(doubted)) if self._every else {}
-        tried, kinds = list(turned.items()), (self.plain_remedies, self.rare_remedies) if doubted else ()
+        unseen = self.gains_of_turned(set(doubted)) | self._gains_of_exchanged() if self._every else {}
+        tried, kinds = list(unseen.items()), (self.plain_remedies, self.rare_remedies) if doubted else ()
         for kind in (None, *kinds):
             tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(kind(doubted))] if kind else []
             tried = sorted((each for each in tried if each[1] > self.criteria.decisive), key=lambda each: -each[1])
@@ -211,6 +211,13 @@ class _State:
             remedies, [self._touched(each) for each in remedies]
         )
         return {each: self.gain(each) for each, gain in zip(remedies, screened, strict=True) if gain > likely}
+
+    def _gains_of_exchanged(self) -> dict[Remedy, float]:
+        """Of two joints of which one carries the other, positions and efforts of both: two of an arm may be so alike
+        that neither is in doubt, as other bodies make up for it."""
+        single = [j for j in self.axes() if len(self._coupled[j]) == 1]
+        remedies = [exchanged([i], [j])[2] for i, j in combinations(single, 2) if j in self._related[i]]
+        return {each: self.gain(each) for each in self.worth_trying(remedies)} if remedies else {}
 
     def worst_of(self, remedy: Remedy) -> tuple[float, float]:
         """What is left at the worst of its joints, as it is and with the remedy."""
