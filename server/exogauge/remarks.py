@@ -15,6 +15,7 @@ class About(StrEnum):
     INERTIA_RAISED = "inertia_raised"  # links; -; file, worst link; by how much [kg·m²], its principal moments
     TOO_DENSE = "too_dense"  # -; -; file; mass of all links [kg], density that half of it exceeds [kg/m³]
     TOO_LIGHT = "too_light"  # -; -; file; the same, density that half of it is below
+    MASSES_ALIKE = "masses_alike"  # -; -; file; mass of every link [kg], how many
     NO_EXTENT = "no_extent"  # -; -; file; mass of all links [kg]
     LIMITS_IN_DEGREES = "limits_in_degrees"  # -; -; file; median end of joints that turn [rad]
     MOVES_NOTHING = "moves_nothing"  # joints; -; file
@@ -35,6 +36,7 @@ class About(StrEnum):
     CENTRE_LET_GO = "centre_let_go"
     MASS_LET_GO = "mass_let_go"
     GAIN_LET_GO = "gain_let_go"
+    LEFT_WITHOUT_SEARCH = "left_without_search"  # channels that no search looked into; error over its noise
     NOT_CONVERGED = "not_converged"  # -; -; -; steps, squared standard deviations above the minimum, and asked for
     REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies
     UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many

@@ -166,6 +166,7 @@ def test_what_is_no_log_is_refused_with_a_reason(client: TestClient) -> None:
     assert nobody.status_code == 404
 
 
+JSON = {"content-type": "application/json"}
 MAPPING = {
     "version": 1,
     "files": [{"file": "vendor.csv", "time": {"column": "stamp_ms", "unit": "ms"}, "ignore": "rest",
@@ -186,11 +187,19 @@ def test_a_robot_remembers_its_mapping_and_so_does_its_next_version(
     assert (again.status_code, again.headers["etag"]) == (200, etag)
     assert client.get(place).json() == again.json()
     assert client.put(place, json={"mapping": MAPPING}, headers={"If-Match": '"other"'}).status_code == 412
+    deep = client.put(place, content=b'{"mapping": ' + b'{"a":' * 900 + b"1" + b"}" * 901, headers=JSON)
+    assert (deep.status_code, deep.json()["errors"][0]["code"]) == (422, "too_deep")
 
     other = robot_files | {"robot.yaml": robot_files["robot.yaml"] + b"noise: {q: 1e-4}\n"}
     newer = client.post(f"{V1}/robots", files=as_form(other)).json()["id"]
     inherited = client.get(f"{V1}/robots/{newer}/mapping").json()
     assert (inherited["robot_id"], inherited["mapping"]) == (robot, MAPPING)
+    taken_over = {"If-Match": client.get(f"{V1}/robots/{newer}/mapping").headers["etag"]}
+    ignoring = client.get(f"{V1}/robots/{newer}/mapping").json()["yaml"].replace("deg", "rad")
+    for status in (201, 412):  # what was read of the other version is replaced once
+        said = client.put(f"{V1}/robots/{newer}/mapping", json={"mapping": ignoring}, headers=taken_over)
+        assert said.status_code == status, said.text
+    assert client.put(f"{V1}/robots/{newer}/mapping", json={"mapping": MAPPING}).status_code == 200
     seen = preview(client, upload_id=uploaded(client, TABLE, "next.csv"), robot_id=newer)
     assert seen["remembered"]["files"][0]["file"] == "next.csv"
     assert preview(client, upload_id=seen["upload_id"], robot_id=newer, mapping=seen["remembered"])["complete"]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
+from datetime import timedelta
 from typing import Any
 
 import pytest
@@ -13,13 +15,14 @@ import sqlalchemy as sa
 from fastapi.testclient import TestClient
 
 from exogauge.api.app import create_app
-from exogauge.api.rate import Buckets
-from exogauge.errors import Unavailable
+from exogauge.api.rate import Buckets, place_of
+from exogauge.errors import QuotaFull, TooMany, Unavailable
 from exogauge.sandbox.asking import Places, at_once
 from exogauge.settings import Settings
-from exogauge.storage.quotas import Quotas, cpu_s_of
-from exogauge.storage.store import Storage
-from exogauge.storage.tables import Job
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.quotas import Quotas, cpu_s_of, refuse_jobs
+from exogauge.storage.store import Storage, Store
+from exogauge.storage.tables import Job, new_id
 
 V1 = "/api/v1"
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -62,6 +65,23 @@ def test_a_bucket_fills_as_time_goes_on_and_is_each_address_own() -> None:
     assert buckets.wait_s("a") > 0.0
     now[0] = 1e6
     assert [buckets.wait_s("a") for _ in range(21)].count(0.0) == 20
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("2606:4700::1", "2606:4700::ffff:2", True),
+        ("2606:4700:0:1::1", "2606:4700::1", False),
+        ("fe80::1%eth0", "fe80::2", True),
+        ("::ffff:1.2.3.4", "::ffff:1.2.3.5", False),
+        ("1.2.3.4", "1.2.3.5", False),
+        ("1.2.3.4", "::ffff:1.2.3.4", True),
+        ("testclient", "testclient", True),
+        ("a:b", "a:c", False),
+    ],
+)
+def test_whoever_has_a_network_of_ipv6_is_one(one: str, other: str, same: bool) -> None:
+    assert (place_of(one) == place_of(other)) is same
 
 
 def test_as_many_are_read_at_once_as_may_and_the_next_is_sent_away() -> None:
@@ -122,6 +142,56 @@ def test_a_lab_keeps_no_more_than_it_may_and_has_room_again_when_it_deletes(
 
 
 @on_sqlite
+def test_a_full_lab_hands_in_again_what_it_has(
+    served: Callable[..., TestClient], unchecked: None, study_files: Mapping[str, bytes],
+    pack: Callable[[Mapping[str, bytes]], bytes],
+) -> None:  # fmt: skip
+    client = served(lab_bytes=sum(map(len, study_files.values())))
+    answers = [client.post(f"{V1}/studies", files={"bundle": ("arm.zip", pack(study_files))}) for _ in range(2)]
+    assert [each.status_code for each in answers] == [201, 200]
+    more = {**study_files, "study.yaml": study_files["study.yaml"] + b"\n# another\n"}
+    assert client.post(f"{V1}/studies", files={"bundle": ("arm.zip", pack(more))}).status_code == 507
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)  # SQLite's writers take turns
+@pytest.mark.parametrize("of", ["bytes", "uploads", "jobs"])
+def test_who_adds_at_once_with_another_has_no_more_than_both_may(
+    storage: Storage, without_bytes: None, of: str
+) -> None:
+    limited = replace(storage, quotas=Quotas(bytes=10, jobs=1))
+    with storage.transaction() as store:
+        study, _ = store.studies.add("jobs", [PinnedFile("study.yaml", "3" * 64, 0)], {})
+
+    def add(store: Store, number: int) -> None:
+        if of == "bytes":
+            store.studies.add("s", [PinnedFile("study.yaml", str(number) * 64, 6)], {})
+            store.refuse_bytes(0)
+        elif of == "uploads":
+            store.uploads.add(new_id(), "u", 6, timedelta(days=1))
+            store.refuse_bytes(0, coming=True)
+        else:
+            refuse_jobs(store.lab, store.quotas)
+            store.session.add(Job(kind="k", study_id=study.id, request_hash=str(number)))
+
+    def another() -> str:
+        try:
+            with limited.transaction() as store:
+                add(store, 2)
+        except (QuotaFull, TooMany):
+            return "refused"
+        return "let in"
+
+    with ThreadPoolExecutor(1) as pool:
+        with limited.transaction() as store:
+            add(store, 1)
+            store.session.flush()
+            other = pool.submit(another)
+            with suppress(TimeoutError):
+                other.result(1.0)
+        assert other.result(30.0) == "refused"
+
+
+@on_sqlite
 def test_a_lab_has_no_more_jobs_than_it_may_and_others_are_not_held_up(
     served: Callable[..., TestClient], unchecked: None, study_files: Mapping[str, bytes],
     pack: Callable[[Mapping[str, bytes]], bytes],
@@ -139,12 +209,7 @@ def test_a_lab_has_no_more_jobs_than_it_may_and_others_are_not_held_up(
 
 
 def test_cpu_seconds_of_the_last_day_count(storage: Storage, without_bytes: None) -> None:
-    from datetime import timedelta
-
-    from exogauge.errors import TooMany
     from exogauge.storage.database import database_now
-    from exogauge.storage.files import PinnedFile
-    from exogauge.storage.quotas import refuse_jobs
 
     with storage.transaction() as store:
         now = database_now(store.session)

@@ -89,10 +89,16 @@ def test_a_capture_is_read_told_restated_and_its_feet_can_be_corrected(client: T
     assert read["said"] is None
     assert read["read"] == {"left": [[0.0, 2.0]], "right": [[0.0, 2.0]]}
     said = {"left": [[0.0, 1.0]], "right": [[0.0, 0.5], [0.8, 2.0]]}
-    assert client.put(address, json=said).json()["said"] == said
+    kept = client.put(address, json=said, headers={"If-Match": client.get(address).headers["etag"]})
+    assert kept.json()["said"] == said
+    stale = {"If-Match": '"none"'}
+    for refused in (client.put(address, json=said, headers=stale), client.delete(address, headers=stale)):
+        assert refused.status_code == 412
     assert client.put(address, json={"left": [[1.0, 0.5]], "right": []}).status_code == 422
     assert client.get(address).json()["said"] == said
-    assert client.delete(address).json()["said"] is None
+    gone = client.delete(address, headers={"If-Match": kept.headers["etag"]})
+    assert (gone.json()["said"], gone.headers["etag"]) == (None, '"none"')
+    assert client.put(address, json=said, headers={"If-Match": kept.headers["etag"]}).status_code == 412
 
     series = client.get(f"{V1}/motions/{motion['id']}/series").json()
     assert (series["samples"], series["end"]) == (121, pytest.approx(2.0))

@@ -124,7 +124,8 @@ def test_a_slip_in_one_log_is_told_of_that_log_only(robot: Robot, logs: list[dic
 def test_friction_that_is_a_spring_after_every_turn_is_no_slip(robot: Robot, floating: bool) -> None:
     """Gears creep before they slide: on small motions half of an effort is unlike gravity, inertia and friction."""
     slow = [simulate(floating, seed, 20.0, 0.06, 0.005) for seed in (1, 2)]
-    assert list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(slow)])) == []
+    found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(slow)]))
+    assert [each for _, each in found if each.severity != "note"] == []
 
 
 def test_that_nothing_moves_is_told_and_so_is_a_joint_that_does_not(

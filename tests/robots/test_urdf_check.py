@@ -20,6 +20,7 @@ from exogauge.robots.urdf_check import (
     idle_joints,
     impossible_density,
     limits_in_degrees,
+    masses_alike,
     raised_inertias,
     read_urdf,
 )
@@ -279,6 +280,21 @@ def test_masses_without_inertia_are_not_called_too_dense() -> None:
     points = _robot(*(_link(name, inertia=_spread(0, 0, 0)) for name in "ab"), _joint("j", "a", "b"))
     (remark,) = impossible_density(points, "a.urdf", Examining())
     assert (remark.about, remark.numbers) == (About.NO_EXTENT, (2.0,))
+
+
+def test_masses_that_are_all_alike_are_told_as_placeholders() -> None:
+    """Silent before: a URDF whose masses are all 1. Two links may weigh the same."""
+    joints = [_joint("j", "a", "b"), _joint("k", "b", "c")]
+    (remark,) = masses_alike(_robot(*(_link(name) for name in "abc"), *joints), "a.urdf")
+    assert (remark.about, remark.numbers) == (About.MASSES_ALIKE, (1.0, 3))
+    assert masses_alike(_robot(_link("a"), _link("b"), _link("c", "1.1"), *joints), "a.urdf") == ()
+    assert masses_alike(_robot(_link("a"), _link("b"), joints[0]), "a.urdf") == ()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not STOCK, reason="no URDFs of example-robot-data are installed")
+def test_no_stock_robot_has_masses_that_are_all_alike() -> None:
+    assert [path.name for path in STOCK if masses_alike(path.read_bytes(), path.name)] == []
 
 
 NAMED = "<?xml version='1.0' encoding='{}'?>"

@@ -159,6 +159,23 @@ def test_contacts_and_maps_are_kept_changed_and_forgotten_with_a_word_in_the_aud
         assert store.session.scalars(said.order_by(AuditEntry.created_at)).all() == ["keep", "keep", "delete"]
 
 
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)  # of SQLite, the other would wait
+def test_what_another_changes_between_a_look_and_a_change_is_not_written_over(storage: Storage) -> None:
+    with storage.transaction() as store:
+        motion = world(store)["motion"]
+        store.contacts.keep(motion, {"left": [], "right": []}, "h1")
+
+    def meanwhile(seen: str) -> None:
+        assert seen == "h1"
+        with storage.transaction() as other:
+            other.contacts.keep(motion, {"left": [], "right": [[0, 1]]}, "h2")
+
+    with pytest.raises(Conflict), storage.transaction() as store:
+        store.contacts.keep(motion, {"left": [[0, 1]], "right": []}, "h3", meanwhile)
+    with storage.reading() as store:
+        assert store.contacts.get(motion).content_hash == "h2"
+
+
 def test_a_job_is_of_one_thing_and_its_newest_is_found(storage: Storage) -> None:
     with storage.transaction() as store:
         made = world(store)

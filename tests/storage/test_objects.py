@@ -19,7 +19,7 @@ from exogauge.errors import NotFound, TooLarge, Unavailable
 from exogauge.settings import Settings
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.held_files import OwnFolder
-from exogauge.storage.objects import PART, ObjectBlobs, key_of
+from exogauge.storage.objects import PART, ObjectBlobs, Stores, key_of
 from exogauge.storage.store import blobs_of
 
 ROOM = 40_000_000
@@ -32,7 +32,9 @@ def away(tmp_path: Path) -> Any:
 
 
 def machine(tmp_path: Path, away: Any, name: str = "here", kept_bytes: int = ROOM) -> ObjectBlobs:
-    return ObjectBlobs(away, tmp_path / name / "copies", kept_bytes, OwnFolder(tmp_path / name / "sending"))
+    return ObjectBlobs(
+        Stores(away, away), tmp_path / name / "copies", kept_bytes, OwnFolder(tmp_path / name / "sending")
+    )
 
 
 def files_below(folder: Path) -> list[Path]:

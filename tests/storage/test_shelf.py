@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from exogauge.errors import Unavailable
 from exogauge.storage.shelf import Shelf
 
 
@@ -49,3 +52,31 @@ def test_what_fails_is_not_kept(tmp_path: Path) -> None:
         shelf.get("a", fail)
     assert shelf.get("a", lambda: b"now").read_bytes() == b"now"
     assert [path.name for path in tmp_path.iterdir()] == ["a.scene"]
+
+
+def test_who_would_only_wait_for_others_is_sent_away_and_what_is_there_is_given(tmp_path: Path) -> None:
+    shelf, begun, end = Shelf(tmp_path, 1000, ".scene", at_once=1, most=3), threading.Semaphore(0), threading.Event()
+    shelf.get("there", lambda: b"scene")
+
+    def slow() -> bytes:
+        end.wait(30)
+        return b"scene"
+
+    def ask(key: str) -> None:
+        begun.release()
+        shelf.get(key, slow)
+
+    with ThreadPoolExecutor(3) as pool:
+        asked = [pool.submit(ask, key) for key in "abc"]
+        for _ in asked:
+            assert begun.acquire(timeout=30)
+        until = time.monotonic() + 30
+        while shelf._inside < 3 and time.monotonic() < until:
+            time.sleep(0.01)
+        with pytest.raises(Unavailable, match="try again"):
+            shelf.get("d", lambda: b"scene")
+        assert shelf.get("there", lambda: b"other").read_bytes() == b"scene"
+        end.set()
+        for each in asked:
+            each.result()
+    assert shelf.get("d", lambda: b"scene").read_bytes() == b"scene"

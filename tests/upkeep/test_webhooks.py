@@ -9,6 +9,7 @@ import shutil
 import ssl
 import subprocess
 import threading
+import time
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -26,8 +27,9 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Installation, Storage
 from exogauge.storage.tables import AuditEntry, Delivery, Job, Webhook, WorkerLease, utc_now
 from exogauge.storage.webhooks import AGAIN
+from exogauge.upkeep import public_line
 from exogauge.upkeep.postman import Postman
-from exogauge.upkeep.public_line import Refused, checked, is_public, post
+from exogauge.upkeep.public_line import NoAnswer, Refused, checked, is_public, post
 
 SECOND = timedelta(seconds=1)
 
@@ -36,13 +38,19 @@ class Listener:
     """An https server on this machine. status: what it answers; came: (headers, body) of each POST."""
 
     def __init__(self, certificate: Path, key: Path) -> None:
-        self.status, self.came = 204, list[tuple[dict[str, str], bytes]]()
+        self.status, self.came, self.says_slowly = 204, list[tuple[dict[str, str], bytes]](), False
         listener = self
 
         class Handler(BaseHTTPRequestHandler):
             def do_POST(self) -> None:
                 body = self.rfile.read(int(self.headers["Content-Length"]))
                 listener.came.append(({name.lower(): value for name, value in self.headers.items()}, body))
+                if listener.says_slowly:
+                    with contextlib.suppress(OSError):
+                        for letter in b"HTTP/1.1 204 No Content" * 10:
+                            self.wfile.write(bytes([letter]))
+                            time.sleep(0.1)
+                    return
                 self.send_response(listener.status)
                 self.send_header("Location", f"https://localhost:{self.server.server_port}/elsewhere")  # type: ignore[attr-defined]
                 self.send_header("Content-Length", "0")
@@ -227,6 +235,15 @@ def test_a_name_with_a_private_address_gets_nothing(
             post(url, b"", {})
 
 
+def test_who_says_a_letter_now_and_then_holds_up_nobody(listener: Listener, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(public_line, "WHOLE_S", 1.0)
+    listener.says_slowly = True
+    began = time.monotonic()
+    with pytest.raises(NoAnswer, match="ReadTimeout"):
+        post(listener.url, b"{}", {}, ["localhost"])
+    assert time.monotonic() - began < 5.0  # each letter comes well within the time of a step
+
+
 def test_a_certificate_of_another_name_gets_nothing(listener: Listener) -> None:
     with pytest.raises(Exception, match=r"CERTIFICATE_VERIFY_FAILED|IP address mismatch"):
         post(listener.url.replace("localhost", "127.0.0.1"), b"{}", {}, ["127.0.0.1"])
@@ -238,7 +255,8 @@ def test_a_certificate_of_another_name_gets_nothing(listener: Listener) -> None:
     [
         "127.0.0.1", "10.0.0.1", "172.16.5.4", "192.168.1.1", "169.254.169.254", "100.64.0.1", "0.0.0.0", "224.0.0.1",
         "255.255.255.255", "192.0.2.1", "::1", "::", "fe80::1%eth0", "fc00::1", "::ffff:127.0.0.1", "::ffff:10.0.0.1",
-        "64:ff9b::7f00:1", "2002:7f00:1::", "2001:0:1::", "ff02::1", "2001:db8::1",
+        "64:ff9b::7f00:1", "2002:7f00:1::", "2001:0:1::", "ff02::1", "2001:db8::1", "::127.0.0.1", "::ffff:0:10.0.0.1",
+        "fec0::1", "5f00::1", "3fff::1", "4000::1",
     ],
 )  # fmt: skip
 def test_addresses_that_are_not_of_the_internet(address: str) -> None:
@@ -253,7 +271,8 @@ def test_addresses_that_are(address: str) -> None:
 @pytest.mark.parametrize(
     "url",
     ["http://exo.example", "ftp://exo.example", "https://", "https://a:b@exo.example", "https://exo.example/#x",
-     "https://exo.example:0", "https://exo.example:99999", f"https://exo.example/{'x' * 2000}"],
+     "https://[exo.example", "https://[10.0.0.1]", "https://exo.example:0", "https://exo.example:99999",
+     f"https://exo.example/{'x' * 2000}"],
 )  # fmt: skip
 def test_addresses_that_are_no_webhook(url: str) -> None:
     with pytest.raises(Refused):

@@ -14,7 +14,7 @@ from exogauge.api.routing import Router
 from exogauge.api.shapes import Kept, ListOf
 from exogauge.api.uploads import root_of
 from exogauge.storage.bundles import Bundles, Record
-from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.files import PinnedFile, content_hash, hashed_folder, keep_folder
 from exogauge.storage.records import Page
 from exogauge.storage.store import Storage, Store
 
@@ -34,11 +34,15 @@ def keep(
     """The bundle below `folder`, whose `main` file `check` reads, as it is stored; its files; whether it is new."""
     root = root_of(folder, main)
     summary = check(root)
+    name = name or summary["name"]
     with storage.reading() as store:
-        store.refuse_bytes(sum(path.stat().st_size for path in root.rglob("*") if path.is_file()))
+        if store.quotas.bytes and bundles(store).same(name, content_hash(hashed_folder(root)), **facts) is None:
+            store.refuse_bytes(sum(path.stat().st_size for path in root.rglob("*") if path.is_file()))
     files = keep_folder(storage.blobs, root)
     with storage.transaction() as store:
-        kept, new = bundles(store).add(name or summary["name"], files, summary, **facts)
+        kept, new = bundles(store).add(name, files, summary, **facts)
+        if new:
+            store.refuse_bytes(0)
     return kept, files, new
 
 

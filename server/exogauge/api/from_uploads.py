@@ -101,6 +101,8 @@ def create_log_from_upload(
         pinned, rules, summary = receive(name, part, mapping, wanted.robot_id, storage, settings)
     with storage.transaction() as store:
         log, new = store.logs.add(pinned, rules, summary)
+        if new:
+            store.refuse_bytes(0)
     remove([upload], storage, files)
     response.status_code = 201 if new else 200
     return LogOut.model_validate(log)
@@ -153,5 +155,9 @@ def still_there(upload: UploadRecord, path: Path) -> BinaryIO:
 
 def mapping_text(mapping: dict[str, Any] | str) -> bytes:
     """The bytes of a mapping.yaml."""
-    text = mapping if isinstance(mapping, str) else yaml.safe_dump(mapping, allow_unicode=True, sort_keys=False)
+    try:
+        text = mapping if isinstance(mapping, str) else yaml.safe_dump(mapping, allow_unicode=True, sort_keys=False)
+    except RecursionError:
+        advice = "A mapping is a few levels deep."
+        raise BadInput(Fault("it is nested too deeply", "too_deep", advice, column="mapping")) from None
     return text.encode("utf-8", "backslashreplace")

@@ -59,7 +59,7 @@ class Guard:
         if site is not None:
             return None if site in OWN_PAGES else "the request comes from a page of another site"
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+        if origin is not None and host_in(origin) != host.lower():
             return "the request comes from a page of another origin"
         return None
 
@@ -89,6 +89,14 @@ class Guarded:
         response = of_http(HTTPException(status, headers=kept), self.scope["path"])
         await response(self.scope, self.receive, Guarded(self.scope, self.receive, self.send))
         self.replaced = True
+
+
+def host_in(origin: str) -> str | None:
+    """With its port; None where it is no address."""
+    try:
+        return urlsplit(origin).netloc.lower()
+    except ValueError:
+        return None
 
 
 def cannot_be_registered(host: str) -> bool:

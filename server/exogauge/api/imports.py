@@ -19,7 +19,7 @@ import yaml
 from fastapi import HTTPException, Response
 from pydantic import BaseModel, ConfigDict
 
-from exogauge.api.dependencies import Id, IfMatch, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.dependencies import Id, IfMatch, ReaderDep, SettingsDep, StorageDep, refuse_changed
 from exogauge.api.from_uploads import MappingGiven, mapping_text
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.problems import ProblemError, of_fault
@@ -32,7 +32,7 @@ from exogauge.sandbox.limits import Limits
 from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
 from exogauge.storage.records import MappingRecord
-from exogauge.storage.store import Storage
+from exogauge.storage.store import Storage, Store
 
 router = Router(tags=["import"])
 CHILD, MAPPING = "exogauge.api.opening_log", "mapping.yaml"
@@ -196,13 +196,24 @@ def put_robot_mapping(
     """Keep a mapping for the robot's next logs, once it has been found to be one of this robot."""
     content = checked_mapping(mapping_text(wanted.mapping), str(robot_id), storage, settings)
     pinned = sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+    def replaced(present: str) -> None:
+        refuse_changed(if_match, f'"{present}"', "the robot's mapping")
+
     with storage.transaction() as store:
-        present = store.mappings.own_hash(str(robot_id))
-        if if_match is not None and if_match.strip() not in (f'"{present}"', "*" if present else None):
-            raise HTTPException(412, "the robot's mapping has been changed meanwhile; read it again")
-        kept, new = store.mappings.keep(str(robot_id), content, pinned)
+        if if_match is not None:
+            replaced(hash_shown(store, str(robot_id)))
+        kept, new = store.mappings.keep(str(robot_id), content, pinned, replaced)
     response.status_code = 201 if new else 200
     return shown(kept, response)
+
+
+def hash_shown(store: Store, robot_id: str) -> str:
+    """Of the mapping that a reader sees, be it another version's. 412 where there is none to be replaced."""
+    try:
+        return store.mappings.of_robot(robot_id).content_hash
+    except NotFound:
+        raise HTTPException(412, "no mapping is kept for this robot yet") from None
 
 
 def checked_mapping(text: bytes, robot_id: str, storage: Storage, settings: Settings) -> dict[str, Any]:

@@ -44,6 +44,8 @@ def create_log(
     pinned, rules, summary = receive(name, file, mapping, robot_id, storage, settings)
     with storage.transaction() as store:
         log, new = store.logs.add(pinned, rules, summary)
+        if new:
+            store.refuse_bytes(0)
     response.status_code = 201 if new else 200
     return LogOut.model_validate(log)
 

@@ -21,6 +21,7 @@ from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
     Id,
+    IfMatch,
     Limit,
     Name,
     ReaderDep,
@@ -28,6 +29,7 @@ from exogauge.api.dependencies import (
     SettingsDep,
     StorageDep,
     StoreDep,
+    refuse_changed,
 )
 from exogauge.api.lists import Mark, part
 from exogauge.api.raw_series import opened, shelf_of
@@ -60,6 +62,7 @@ router = Router(tags=["motions"])
 MOTION = "motion.yaml"
 CHILD = "exogauge.api.opening_capture"
 CAPTURES, SKELETON = (".c3d", ".trc", ".tsv", ".csv", ".mvnx", ".mot", ".sto", ".bvh", ".amc"), ".asf"
+CONTACTS, NOBODY_SAID = "when the feet stand", '"none"'  # what was changed; the ETag while the capture alone says it
 SERIES, VERSION = "motion.parquet", "1"
 TEXT = {"type": "string", "maxLength": 200}
 FORM = bundle_schema(
@@ -214,26 +217,30 @@ let_go(
 
 
 @router.get("/motions/{motion_id}/contacts", operation_id="getMotionContacts")
-def get_contacts(motion_id: Id, store: ReaderDep) -> ContactsOut:
+def get_contacts(motion_id: Id, store: ReaderDep, response: Response) -> ContactsOut:
     """When each foot stands."""
-    return contacts_of(store, str(motion_id))
+    return contacts_of(store, str(motion_id), response)
 
 
 @router.put("/motions/{motion_id}/contacts", operation_id="putMotionContacts")
-def put_contacts(motion_id: Id, wanted: ContactsEntry, store: StoreDep) -> ContactsOut:
+def put_contacts(
+    motion_id: Id, wanted: ContactsEntry, store: StoreDep, response: Response, if_match: IfMatch = None
+) -> ContactsOut:
     """Say when each foot stands; plans that are asked from now on take it so."""
-    store.motions.get(str(motion_id))
-    content = wanted.model_dump()
-    store.contacts.keep(str(motion_id), content, hash_of(content))
-    return contacts_of(store, str(motion_id))
+    key, content = str(motion_id), wanted.model_dump()
+    store.motions.get(key)
+    if store.contacts.find(key) is None:
+        refuse_changed(if_match, NOBODY_SAID, CONTACTS)
+    store.contacts.keep(key, content, hash_of(content), lambda old: refuse_changed(if_match, f'"{old}"', CONTACTS))
+    return contacts_of(store, key, response)
 
 
 @router.delete("/motions/{motion_id}/contacts", operation_id="deleteMotionContacts")
-def delete_contacts(motion_id: Id, store: StoreDep) -> ContactsOut:
+def delete_contacts(motion_id: Id, store: StoreDep, response: Response, if_match: IfMatch = None) -> ContactsOut:
     """Take them as they were read."""
     store.motions.get(str(motion_id))
-    store.contacts.forget(str(motion_id))
-    return contacts_of(store, str(motion_id))
+    store.contacts.forget(str(motion_id), lambda old: refuse_changed(if_match, f'"{old}"', CONTACTS))
+    return contacts_of(store, str(motion_id), response)
 
 
 @router.get("/motion-maps", operation_id="listMotionMaps")
@@ -321,9 +328,10 @@ def with_capture(store: Store, motion_id: str) -> MotionOut:
     return answer
 
 
-def contacts_of(store: Store, motion_id: str) -> ContactsOut:
+def contacts_of(store: Store, motion_id: str, response: Response) -> ContactsOut:
     summary = store.motions.get(motion_id).summary
     kept, read = store.contacts.find(motion_id), summary.get("contacts")
+    response.headers["ETag"] = NOBODY_SAID if kept is None else f'"{kept.content_hash}"'
     return ContactsOut(
         said=None if kept is None else ContactsEntry.model_validate(dict(kept.content)),
         read=None if read is None else ContactsEntry.model_validate(read),

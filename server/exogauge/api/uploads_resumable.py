@@ -9,7 +9,6 @@ been found right. What arrived is used by `createStudyFromUpload`, `createLogFro
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import os
 import shutil
@@ -38,7 +37,7 @@ from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import PartialFiles, copy_piece, sync, write_all
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
-from exogauge.storage.tables import new_id, utc_now
+from exogauge.storage.tables import new_id
 
 router = Router(tags=["uploads"])
 VERSION = "1.0.0"
@@ -137,7 +136,8 @@ def create_upload(
         store.refuse_bytes(size, coming=True)
     files.create(key)
     with storage.transaction() as store:
-        upload = store.uploads.add(key, name, size, until(settings))
+        upload = store.uploads.add(key, name, size, kept_for(settings))
+        store.refuse_bytes(0, coming=True)
     response.headers["Location"] = request.url_for("get_upload_offset", upload_id=key).path
     response.headers["Upload-Expires"] = http_date(upload)
     return UploadOut(**shown(upload), offset=0)
@@ -256,7 +256,7 @@ def digest_of(checksum: str | None) -> tuple[Any, bytes] | None:
     algorithm, _, text = checksum.partition(" ")
     try:
         expected = base64.b64decode(text, validate=True)
-    except binascii.Error:
+    except ValueError:  # letters beyond ASCII, too
         expected = b""
     if algorithm not in ALGORITHMS or len(expected) != hashlib.new(algorithm).digest_size:
         raise HTTPException(400, f"Upload-Checksum is one of {', '.join(ALGORITHMS)}, a blank and its base64")
@@ -270,7 +270,7 @@ def name_in(metadata: str | None) -> str:
         key, _, text = entry.strip().partition(" ")
         try:
             given[key] = base64.b64decode(text, validate=True).decode()
-        except (binascii.Error, UnicodeDecodeError):
+        except ValueError:
             raise HTTPException(400, f"Upload-Metadata: {key[:80]!a} is no UTF-8 in base64") from None
     found = (given[key] for key in ("relativePath", "filename", "name") if given.get(key) not in (None, "", "null"))
     return safe_path(next(found, "upload"))
@@ -292,7 +292,7 @@ def find(key: str, storage: Storage) -> UploadRecord:
 
 def kept_longer(upload: UploadRecord, storage: Storage, settings: Settings) -> UploadRecord:
     with storage.transaction() as store:
-        store.uploads.wait_longer(upload.id, until(settings))
+        store.uploads.wait_longer(upload.id, kept_for(settings))
         return store.uploads.get(upload.id)
 
 
@@ -316,8 +316,8 @@ def remove(uploads: Sequence[UploadRecord], storage: Storage, files: PartialFile
         files.remove(upload.id)
 
 
-def until(settings: Settings) -> datetime:
-    return utc_now() + timedelta(hours=settings.upload_kept_hours)
+def kept_for(settings: Settings) -> timedelta:
+    return timedelta(hours=settings.upload_kept_hours)
 
 
 def http_date(upload: UploadRecord) -> str:

@@ -27,7 +27,7 @@ from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
-from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts
+from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts, unsure_signs
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.plausibility.soles import turned_leg
 from exogauge.plausibility.told_as import (
@@ -42,6 +42,7 @@ from exogauge.plausibility.told_as import (
     as_turned_leg,
     as_unit,
     as_unlike,
+    as_unsure_signs,
     as_zero,
 )
 from exogauge.plausibility.unlike import Unlike
@@ -132,8 +133,13 @@ def examine_against_robot(
     for delay in delays:
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
-    if expected and not slips and not delays and not unlike and not dead and not moved:
-        for zero in find_zeros(robot, expected):
+    if not slips and not delays and not unlike and not dead and not moved:
+        unsure = unsure_signs(robot, expected)
+        for better in (True, False):
+            if alike := [joint for joint, its in unsure.items() if its is better]:
+                for log in logs:
+                    yield log.name, as_unsure_signs(robot, alike, better)
+        for zero in find_zeros(robot, expected) if expected else ():
             for log in logs:
                 yield log.name, as_zero(robot, zero)
     for name, finding in by_channel:

@@ -48,6 +48,11 @@ class Screen:
                 kept = [kept[k] for k in order if gains[k] >= least]
         return [remedy for remedy, _ in kept]
 
+    def gains(self, remedies: Sequence[Remedy], touched: Sequence[Sequence[int]]) -> Array:
+        """(R,) in log likelihood of two logs at the most: no verdict, but a hundredth of the work of one."""
+        found = [self._gains(each, remedies, touched) for each in self._seen[:2]]
+        return np.asarray(np.sum(found, axis=0))
+
     def _gains(self, seen: Snapshot, remedies: Sequence[Remedy], touched: Sequence[Sequence[int]]) -> Array:
         """(R,) in log likelihood, over the moments in which an axis moves by both readings."""
         at_once = 64  # readings: their motions in one pass cost less, and some 100 MB at the most

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import combinations, dropwhile
 from typing import final
@@ -42,6 +42,7 @@ class Slip:
     """remedy: what undoes it. evidence: gain in log likelihood. before, after: share of the axis' effort that is left.
 
     as_good: a remedy of the same joint between which and this one the data do not decide. logs: in which it is.
+    rivals: other joints of which the same may be true as well.
     settled: once all that was found is undone, the joint bears what is described. Otherwise it was the nearest of what
     is tried to something else.
     """
@@ -53,6 +54,7 @@ class Slip:
     as_good: Remedy | None = None
     logs: tuple[str, ...] = ()
     settled: bool = True
+    rivals: tuple[int, ...] = ()
 
 
 def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Unlike], list[Expected]]:
@@ -97,6 +99,16 @@ def gravity_left_out(robot: Robot, expected: Sequence[Expected]) -> Slip | None:
     if evidence < state.criteria.decisive or not state.mends(remedy):
         return None
     return Slip(remedy, evidence, *state.worst_of(remedy), logs=tuple(each.seen.log for each in expected))
+
+
+def unsure_signs(robot: Robot, expected: Sequence[Expected]) -> dict[int, bool]:
+    """Joints of which these logs do not tell whether position and effort are both turned, as the last of an arm that is
+    round about its axis, and whether they fit better so. Friction does not tell it, as both turn."""
+    if not expected:
+        return {}
+    state = _State(robot, expected)
+    gains, least = state.gains_of_turned(), state.criteria.undecided
+    return {remedy.joints[0]: gain > least for remedy, gain in gains.items() if gain > -least}
 
 
 def reversed_efforts(one: Expected) -> list[Slip]:
@@ -165,19 +177,47 @@ class _State:
 
     def best_remedy(self) -> Slip | None:
         doubted = self.doubted()
-        if not doubted:
-            return None
-        tried = list[tuple[Remedy, float]]()
-        for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
-            tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(remedies)]
+        unseen = self.gains_of_turned(set(doubted)) | self._gains_of_exchanged() if self._every else {}
+        tried, kinds = list(unseen.items()), (self.plain_remedies, self.rare_remedies) if doubted else ()
+        for kind in (None, *kinds):
+            tried += [(remedy, self.gain(remedy)) for remedy in self.worth_trying(kind(doubted))] if kind else []
             tried = sorted((each for each in tried if each[1] > self.criteria.decisive), key=lambda each: -each[1])
             tried = list(dropwhile(lambda each: not self.mends(each[0]), tried))
-            if tried and self.explained_with(tried[0][0]):
+            if kind and tried and self.explained_with(tried[0][0]):
                 break  # nothing else need be tried
         if not tried:
             return None
         remedy, evidence = tried[0]
-        return Slip(self.sharpened(remedy), evidence, *self.worst_of(remedy), self.as_good(remedy, tried))
+        rivals = self._turned_as_well(remedy, tried)
+        return Slip(
+            self.sharpened(remedy), evidence, *self.worst_of(remedy), self.as_good(remedy, tried), rivals=rivals
+        )
+
+    def _turned_as_well(self, best: Remedy, tried: Sequence[tuple[Remedy, float]]) -> tuple[int, ...]:
+        """Other joints that may be turned in its place: an arm whose base and wrist are turned is its mirror image."""
+        least = dict(tried)[best] - self.criteria.undecided
+        rivals = [each for each, gain in tried if each.rule == best.rule == "joint_reversed" and gain > least]
+        return tuple(each.joints[0] for each in rivals if each is not best and self.mends(each))
+
+    def gains_of_turned(self, but: Set[int] = frozenset()) -> dict[Remedy, float]:
+        """Of every joint that moves, what it gains with position and effort turned; not of those that by bodies as
+        described are surely as they should be. A joint that bears little is in no doubt even so: other bodies make up
+        for most of it, and friction does not tell, as both turn. but: joints that are left out."""
+        likely = 0.0 - self.criteria.decisive
+        remedies = [reversals(j)[2] for j in self.axes() if len(self._coupled[j]) == 1 and j not in but]
+        if not remedies:
+            return {}
+        screened = Screen(self.robot, self.seen, self.axes()).gains(
+            remedies, [self._touched(each) for each in remedies]
+        )
+        return {each: self.gain(each) for each, gain in zip(remedies, screened, strict=True) if gain > likely}
+
+    def _gains_of_exchanged(self) -> dict[Remedy, float]:
+        """Of two joints of which one carries the other, positions and efforts of both: two of an arm may be so alike
+        that neither is in doubt, as other bodies make up for it."""
+        single = [j for j in self.axes() if len(self._coupled[j]) == 1]
+        remedies = [exchanged([i], [j])[2] for i, j in combinations(single, 2) if j in self._related[i]]
+        return {each: self.gain(each) for each in self.worth_trying(remedies)} if remedies else {}
 
     def worst_of(self, remedy: Remedy) -> tuple[float, float]:
         """What is left at the worst of its joints, as it is and with the remedy."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -183,6 +183,9 @@ def as_finding(robot: Robot, slip: Slip, of_one: bool = False) -> Finding:
     if slip.as_good is not None and slip.as_good.kind != remedy.kind:
         other = channel(robot, slip.as_good, remedy.joints[0])
         said, advice = f"{said}, if {other} is right; these logs cannot tell which of the two is wrong", advice
+    if slip.rivals:
+        others = ", ".join(channel(robot, remedy, joint) for joint in slip.rivals)
+        said = f"{said}, or those of {others}; these logs do not tell which"
     if half == 1:
         said = f"and {channels[1]} {said}"
     elif half:
@@ -219,6 +222,18 @@ def _as_gravity(robot: Robot, slip: Slip, up: tuple[float, ...]) -> Finding:
     if not slip.settled:
         advice = f"that direction is the nearest of 26 that are tried; {advice}"
     return Finding("error", "base", slip.remedy.rule, detail, advice, value=slip.remedy.value)
+
+
+def as_unsure_signs(robot: Robot, joints: Sequence[int], better: bool) -> Finding:
+    """On the first joint. better: with both signs turned they fit better, though not surely."""
+    names = [f"q.{robot.joints[j].name}" for j in joints]
+    also = f", and alike of {', '.join(names[1:])}" if len(names) > 1 else ""
+    detail = (
+        f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned{also}: whether "
+        "they are right these logs do not tell"
+    )
+    advice = "look which way it turns as its angle grows, or record it with a weight beside its axis"
+    return Finding("warning" if better else "note", names[0], "sign_unsure", detail, advice)
 
 
 def as_dead(robot: Robot, dead: DeadPosition) -> Finding:

@@ -105,6 +105,15 @@ def impossible_density(urdf: bytes, file: str, criteria: Examining) -> tuple[Rem
     return (Remark(about, beside=(file,), numbers=(sum(masses), half)),)
 
 
+def masses_alike(urdf: bytes, file: str) -> tuple[Remark, ...]:
+    """Whether every link that weighs weighs the same: no robot is so, but one whose masses stand in for what nobody
+    knew. Of 2 links it may be true."""
+    masses = [mass for _, _, mass, _ in _bodies(_parse(urdf, file)) if mass > 0.0]
+    if len(masses) < 3 or min(masses) < max(masses):
+        return ()
+    return (Remark(About.MASSES_ALIKE, beside=(file,), numbers=(masses[0], len(masses))),)
+
+
 def limits_in_degrees(urdf: bytes, file: str, criteria: Examining) -> tuple[Remark, ...]:
     """Whether joints turn further than cables bear: an end beyond 1000 rad stands for none."""
     ends = list[float]()

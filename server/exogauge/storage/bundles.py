@@ -90,7 +90,6 @@ class Bundles(Generic[Record]):
             if (other := facts.get(sort.of)) is not None:
                 self.lab.get(sort.record, sort.table, other, sort.noun)
         known = {"name": name, "content_hash": pinned, **facts}
-        same = self.lab.select(table).where(*(getattr(table, each) == known[each] for each in self.sort.same_by))
 
         def make() -> list[tables.Base]:
             key: str = tables.new_id()
@@ -101,10 +100,16 @@ class Bundles(Generic[Record]):
             )
             return [row, *(self._file(key, file) for file in files)]
 
-        kept, new = self.lab.find_or_add(lambda: self.lab.one(self.sort.record, same), make, self.sort.noun)
+        kept, new = self.lab.find_or_add(lambda: self.same(name, pinned, **facts), make, self.sort.noun)
         if new:
             self.lab.audit("add", self.sort.noun, kept.id, after=pinned)
         return kept, new
+
+    def same(self, name: str, content_hash: str, **facts: str | None) -> Record | None:
+        """The one that `add` would find."""
+        table, known = self.sort.table, {"name": name, "content_hash": content_hash, **facts}
+        mine = self.lab.select(table).where(*(getattr(table, each) == known[each] for each in self.sort.same_by))
+        return self.lab.one(self.sort.record, mine)
 
     def get(self, key: str) -> Record:
         return self.lab.get(self.sort.record, self.sort.table, key, self.sort.noun)

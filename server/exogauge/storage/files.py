@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -62,8 +62,21 @@ def content_hash(files: Iterable[PinnedFile]) -> str:
 
 def keep_folder(blobs: BlobStore, folder: Path) -> tuple[PinnedFile, ...]:
     """Put every regular file below `folder` into the blob store (durable before any row names it); sorted by path."""
+    return _pinned(folder, blobs.put)
+
+
+def hashed_folder(folder: Path) -> tuple[PinnedFile, ...]:
+    """The same of files that are not kept, or not yet."""
+    return _pinned(folder, hash_of)
+
+
+def hash_of(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _pinned(folder: Path, name: Callable[[Path], str]) -> tuple[PinnedFile, ...]:
     paths = sorted(path for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
     return tuple(
-        PinnedFile(safe_path(path.relative_to(folder).as_posix()), blobs.put(path), path.stat().st_size)
-        for path in paths
+        PinnedFile(safe_path(path.relative_to(folder).as_posix()), name(path), path.stat().st_size) for path in paths
     )

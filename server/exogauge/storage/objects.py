@@ -11,10 +11,12 @@ whole or not at all and never replaced, so that of two who send the same place o
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -26,18 +28,13 @@ from obstore.store import S3Store
 
 from exogauge.errors import NotFound, Unavailable
 from exogauge.settings import Settings
-from exogauge.storage.blobs import CHUNK, SHA256_HEX, copy_hashed, disk, refuse_full
+from exogauge.storage.blobs import CHUNK, SHA256_HEX, InUse, copy_hashed, disk, refuse_full
 from exogauge.storage.held_files import OwnFolder
+from exogauge.storage.reach import Reach
 from exogauge.storage.shelf import Shelf
 
 if TYPE_CHECKING:
-    from obstore.store import S3Config
-from contextlib import contextmanager
-
-from obstore.exceptions import BaseError
-
-from exogauge.errors import Away
-from exogauge.storage.blobs import InUse
+    from obstore.store import ClientConfig, S3Config
 
 PART = 8 << 20  # bytes of one part of an upload; what is smaller is put at once, unless it is there
 PARTS_AT_ONCE = 4  # judgement: with PART, 32 MB of memory for one upload
@@ -47,8 +44,25 @@ DIGITS = "0123456789abcdef"
 COPY = ".blob"
 
 
-def store_of(settings: Settings) -> S3Store:
+@final
+@dataclass(frozen=True)
+class Stores:
+    """One place, reached in two ways. asked: what it says comes piece by piece, and silence ends the call soon, however
+    much there is. sent: it says nothing until it has all that was sent, so the whole call has a time."""
+
+    asked: S3Store
+    sent: S3Store
+
+
+def store_of(settings: Settings) -> Stores:
     """A request is tried three times within ten seconds: whoever asked is told, and workers try again by themselves."""
+    silence, whole, ever = "5s", "60s", "1day"  # judgement: 32 MiB, the most that is sent in one, at 4 Mbit/s
+    return Stores(
+        asked=_store(settings, {"read_timeout": silence, "timeout": ever}), sent=_store(settings, {"timeout": whole})
+    )
+
+
+def _store(settings: Settings, times: dict[str, str]) -> S3Store:
     given: S3Config = {
         "endpoint": settings.s3_endpoint,
         "region": settings.s3_region,
@@ -58,11 +72,10 @@ def store_of(settings: Settings) -> S3Store:
     return S3Store.from_url(
         settings.blob_url,
         config=cast("S3Config", {name: value for name, value in given.items() if value}),
-        client_options={
-            "allow_http": settings.s3_endpoint.startswith("http://"),
-            "connect_timeout": "2s",
-            "timeout": "60s",
-        },
+        client_options=cast(
+            "ClientConfig",
+            {"allow_http": settings.s3_endpoint.startswith("http://"), "connect_timeout": "2s", **times},
+        ),
         retry_config={
             "max_retries": 2,
             "retry_timeout": timedelta(seconds=10),
@@ -75,10 +88,12 @@ def store_of(settings: Settings) -> S3Store:
 class ObjectBlobs:
     """folder: of this machine, for the shelf of at most `kept_bytes`. sending: for what is being sent, beside it."""
 
-    def __init__(self, store: S3Store, folder: Path, kept_bytes: int, sending: OwnFolder) -> None:
-        self._store, self._largest, self._sending = store, LARGEST_SHARE * kept_bytes, sending
-        self._shelf = Shelf(folder, kept_bytes, COPY, at_once=PARTS_AT_ONCE)
-        self._pieces = SharedPieces(store)
+    def __init__(self, stores: Stores, folder: Path, kept_bytes: int, sending: OwnFolder) -> None:
+        self._asked, self._sent = stores.asked, stores.sent
+        self._largest, self._sending = LARGEST_SHARE * kept_bytes, sending
+        self._shelf = Shelf(folder, kept_bytes, COPY, at_once=PARTS_AT_ONCE, most=math.inf)
+        self._reached = Reach()
+        self._pieces = SharedPieces(stores, self._reached)
 
     @property
     def pieces(self) -> SharedPieces:
@@ -100,11 +115,11 @@ class ObjectBlobs:
     def _send(self, path: Path, sha256: str, size: int) -> None:
         if self.exists(sha256):
             return
-        with reached("store the file"), suppress(AlreadyExistsError):
+        with self._reached("store the file"), suppress(AlreadyExistsError):
             if size <= PART:
-                obstore.put(self._store, key_of(sha256), path, mode="create")
+                obstore.put(self._sent, key_of(sha256), path, mode="create")
             else:
-                obstore.put(self._store, key_of(sha256), path, chunk_size=PART, max_concurrency=PARTS_AT_ONCE)
+                obstore.put(self._sent, key_of(sha256), path, chunk_size=PART, max_concurrency=PARTS_AT_ONCE)
 
     def open(self, sha256: str) -> BinaryIO:
         if (path := self.path_for(sha256)) is not None:
@@ -113,15 +128,18 @@ class ObjectBlobs:
         return self.stored(sha256)
 
     def stored(self, sha256: str) -> BinaryIO:
-        with reached("read the file", sha256):
-            found = obstore.get(self._store, key_of(sha256))
-        return io.BufferedReader(Fetched(map(bytes, found.stream(min_chunk_size=CHUNK)), sha256), CHUNK)
+        with self._reached("read the file", sha256):
+            found = obstore.get(self._asked, key_of(sha256))
+        return io.BufferedReader(Fetched(map(bytes, found.stream(min_chunk_size=CHUNK)), sha256, self._reached), CHUNK)
 
     def path_for(self, sha256: str) -> Path | None:
         """None where the shelf has no room for it."""
         key_of(sha256)
+        if (there := self._shelf.found(sha256)) is not None:
+            return there
         try:
-            return self._shelf.filled(sha256, lambda path: self._fetch(sha256, path))
+            with self._reached.room("read the file"):
+                return self._shelf.filled(sha256, lambda path: self._fetch(sha256, path))
         except NoRoom:
             return None
 
@@ -140,8 +158,8 @@ class ObjectBlobs:
             raise Unavailable(f"the file {sha256} is damaged in the object store: `exogauge check` says which are")
 
     def size(self, sha256: str) -> int:
-        with reached("read the file", sha256):
-            return obstore.head(self._store, key_of(sha256))["size"]
+        with self._reached("read the file", sha256):
+            return obstore.head(self._asked, key_of(sha256))["size"]
 
     def exists(self, sha256: str) -> bool:
         try:
@@ -155,15 +173,15 @@ class ObjectBlobs:
             return {name for name, there in zip(names, several.map(self.exists, names), strict=True) if not there}
 
     def delete(self, sha256: str) -> None:
-        with reached("remove the file"), suppress(FileNotFoundError):
-            obstore.delete(self._store, key_of(sha256))
+        with self._reached("remove the file"), suppress(FileNotFoundError):
+            obstore.delete(self._asked, key_of(sha256))
         self._shelf.drop(sha256)
 
     def refuse_if_full(self) -> None:
         with disk("store files"):
             refuse_full(self._sending.path)
-        with reached("store files"):
-            for _ in obstore.list(self._store, "asked"):  # nothing is there; a bucket that is gone is told
+        with self._reached("store files"):
+            for _ in obstore.list(self._asked, "asked"):  # nothing is there; a bucket that is gone is told
                 break
 
     def iterate(self, prefix: str = "") -> Iterator[str]:
@@ -172,8 +190,8 @@ class ObjectBlobs:
                 yield from self.iterate(prefix + digit)
             return
         found = list[str]()
-        with reached("list the files"):
-            for some in obstore.list(self._store, prefix):
+        with self._reached("list the files"):
+            for some in obstore.list(self._asked, prefix):
                 found += [each["path"].replace("/", "") for each in some]
         yield from sorted(name for name in found if SHA256_HEX.fullmatch(name))
 
@@ -193,8 +211,8 @@ class NoRoom(Exception):
 class Fetched(io.RawIOBase):
     """The bytes of an object as they come."""
 
-    def __init__(self, chunks: Iterator[bytes], sha256: str) -> None:
-        self._chunks, self._sha256 = chunks, sha256
+    def __init__(self, chunks: Iterator[bytes], sha256: str, reached: Reach) -> None:
+        self._chunks, self._sha256, self._reached = chunks, sha256, reached
         self._left = memoryview(b"")
 
     def readable(self) -> bool:
@@ -202,7 +220,7 @@ class Fetched(io.RawIOBase):
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]  # any buffer, says typeshed
         while not self._left:
-            with reached("read the file", self._sha256):
+            with self._reached("read the file", self._sha256):
                 chunk = next(self._chunks, None)
             if chunk is None:
                 return 0
@@ -228,13 +246,13 @@ LARGEST = 32 << 20  # judgement: bytes of one object, which is sent from memory
 class SharedPieces:
     """Of all uploads in an object store."""
 
-    def __init__(self, store: S3Store) -> None:
-        self._store = store
+    def __init__(self, stores: Stores, reached: Reach) -> None:
+        self._asked, self._sent, self._reached = stores.asked, stores.sent, reached
 
     def of(self, key: str) -> list[tuple[int, int]]:
         """Begin and size of each, from the file's begin on, without a gap."""
-        with reached("read the upload"):
-            listed = [each for some in obstore.list(self._store, f"{FOLDER}/{key}") for each in some]
+        with self._reached("read the upload"):
+            listed = [each for some in obstore.list(self._asked, f"{FOLDER}/{key}") for each in some]
         found, end = list[tuple[int, int]](), 0
         for begin, size in sorted((int(each["path"].rpartition("/")[2]), each["size"]) for each in listed):
             if begin == end:
@@ -251,44 +269,29 @@ class SharedPieces:
         file.seek(begin)
         while data := file.read(LARGEST):
             try:
-                with reached("store the upload"):
-                    obstore.put(self._store, name_of(key, begin), data, mode="create")
+                with self._reached("store the upload"):
+                    obstore.put(self._sent, name_of(key, begin), data, mode="create")
             except AlreadyExistsError as error:
                 raise InUse(key) from error
             begin += len(data)
 
     def read(self, key: str, begin: int) -> bytes:
-        with reached("read the upload"):
-            return bytes(obstore.get(self._store, name_of(key, begin)).bytes())
+        with self._reached("read the upload"):
+            return bytes(obstore.get(self._asked, name_of(key, begin)).bytes())
 
     def drop(self, key: str) -> None:
-        with reached("remove the upload"):
-            listed = [each["path"] for some in obstore.list(self._store, f"{FOLDER}/{key}") for each in some]
+        with self._reached("remove the upload"):
+            listed = [each["path"] for some in obstore.list(self._asked, f"{FOLDER}/{key}") for each in some]
             for path in listed:
                 with suppress(FileNotFoundError):
-                    obstore.delete(self._store, path)
+                    obstore.delete(self._asked, path)
 
     def keys(self) -> list[str]:
         """Of uploads of which anything is there."""
-        with reached("list the uploads"):
-            found = obstore.list_with_delimiter(self._store, FOLDER)["common_prefixes"]
+        with self._reached("list the uploads"):
+            found = obstore.list_with_delimiter(self._asked, FOLDER)["common_prefixes"]
         return [path.rpartition("/")[2] for path in found]
 
 
 def name_of(key: str, begin: int) -> str:
     return f"{FOLDER}/{key}/{begin:015d}"
-
-
-@contextmanager
-def reached(what: str, sha256: str | None = None) -> Iterator[None]:
-    """A store that cannot be reached, or refuses, is `Away`. sha256: of what it may lack, which is NotFound."""
-    try:
-        yield
-    except AlreadyExistsError:
-        raise
-    except (BaseError, OSError) as error:
-        if isinstance(error, FileNotFoundError) and sha256 is not None:
-            raise NotFound(f"no blob {sha256}") from error
-        lacks = isinstance(error, FileNotFoundError) or "NoSuchBucket" in str(error)
-        why = "has no such bucket" if lacks else "does not answer, or refuses"
-        raise Away(f"cannot {what} now: the object store {why}") from error

@@ -54,9 +54,20 @@ def bytes_on_their_way(lab: Lab) -> int:
     return int(lab.session.scalar(coming) or 0)
 
 
-def refuse_bytes(lab: Lab, quotas: Quotas, more: int) -> None:
-    """QuotaFull where the lab would have more than it may."""
-    if quotas.bytes and (have := bytes_of(lab)) + more > quotas.bytes:
+def in_turn(lab: Lab) -> None:
+    """Until the transaction's end, whoever else counts what the lab has waits, and then sees what came of this one.
+    SQLite's writers take turns by themselves."""
+    if lab.session.get_bind().dialect.name == "postgresql":
+        lab.session.execute(sa.select(sa.func.pg_advisory_xact_lock(sa.func.hashtextextended(lab.lab_id, 0))))
+
+
+def refuse_bytes(lab: Lab, quotas: Quotas, more: int, *, coming: bool = False) -> None:
+    """QuotaFull where the lab would have more than it may. coming: beside what is on its way."""
+    if quotas.bytes == 0:
+        return
+    in_turn(lab)
+    more += bytes_on_their_way(lab) if coming else 0
+    if (have := bytes_of(lab)) + more > quotas.bytes:
         raise QuotaFull(
             f"the lab keeps {have} of {quotas.bytes} bytes, and {more} more do not fit; delete what is not needed"
         )
@@ -64,6 +75,8 @@ def refuse_bytes(lab: Lab, quotas: Quotas, more: int) -> None:
 
 def refuse_jobs(lab: Lab, quotas: Quotas) -> None:
     """TooMany where the lab may have no further job now."""
+    if quotas.jobs or quotas.cpu_s_per_day:
+        in_turn(lab)
     if quotas.jobs and (have := count(lab.session, lab, ("queued", "running"))) >= quotas.jobs:
         raise TooMany(f"{have} jobs of the lab wait or run, as many as may; try again when one has ended", JOB_WAIT_S)
     if quotas.cpu_s_per_day and (used := cpu_s_of(lab)) >= quotas.cpu_s_per_day:

@@ -3,7 +3,7 @@ own labels are called elsewhere. The audit tells each change."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, final
 
@@ -16,6 +16,11 @@ from exogauge.storage.rows import Lab
 from exogauge.storage.tables import Robot, RobotMapping
 
 Record = TypeVar("Record", bound=MappingRecord | ContactsRecord | MapRecord)
+Seen = Callable[[str], None]
+
+
+def whatever(_content_hash: str) -> None:
+    pass
 
 
 @final
@@ -46,14 +51,19 @@ class Remembered(Generic[Record]):
         rows = self.lab.session.scalars(self.lab.select(self.table).order_by(getattr(self.table, self.by)))
         return tuple(found for row in rows if (found := self.find(getattr(row, self.by))) is not None)
 
-    def keep(self, key: str, content: Mapping[str, Any], content_hash: str) -> tuple[Record, bool]:
-        """The content as it is now kept, and whether it is the first of its key."""
+    def keep(
+        self, key: str, content: Mapping[str, Any], content_hash: str, replaced: Seen = whatever
+    ) -> tuple[Record, bool]:
+        """The content as it is now kept, and whether it is the first of its key. replaced: gets the hash of what was
+        kept before, and raises where that may not go."""
         values = {"content": dict(content), "content_hash": content_hash}
 
         def make() -> list[tables.Base]:
             return [self.table(lab_id=self.lab.lab_id, **{self.by: key}, **values)]
 
         kept, new = self.lab.find_or_add(lambda: self.find(key), make, self.noun)
+        if not new:
+            replaced(kept.content_hash)
         if not new and kept.content_hash != content_hash:
             mine = [self._of(key), self.table.content_hash == kept.content_hash]
             statement = sa.update(self.table).where(*mine).values(**values, changed_at=tables.utc_now())
@@ -63,10 +73,13 @@ class Remembered(Generic[Record]):
             self._audit("keep", kept, None if new else kept.content_hash, content_hash)
         return self.find(key) or kept, new
 
-    def forget(self, key: str) -> None:
+    def forget(self, key: str, replaced: Seen = whatever) -> None:
         kept = self.get(key)
-        gone = sa.delete(self.table).where(self._of(key))
-        self.lab.session.execute(gone, execution_options={"synchronize_session": False})
+        replaced(kept.content_hash)
+        gone = sa.delete(self.table).where(self._of(key), self.table.content_hash == kept.content_hash)
+        done = self.lab.session.execute(gone, execution_options={"synchronize_session": False})
+        if not getattr(done, "rowcount", 0):
+            raise Conflict(f"the {self.noun} is being changed by someone else; try again")
         self._audit("delete", kept, kept.content_hash, None)
 
     def _of(self, key: str) -> sa.ColumnElement[bool]:
@@ -102,15 +115,12 @@ class Mappings:
             raise NotFound(f"no mapping is kept for robot {robot_id}")
         return found
 
-    def own_hash(self, robot_id: str) -> str | None:
-        """content_hash of the robot's own mapping."""
-        own = self._kept.find(robot_id)
-        return None if own is None else own.content_hash
-
-    def keep(self, robot_id: str, content: Mapping[str, Any], content_hash: str) -> tuple[MappingRecord, bool]:
+    def keep(
+        self, robot_id: str, content: Mapping[str, Any], content_hash: str, replaced: Seen = whatever
+    ) -> tuple[MappingRecord, bool]:
         """The mapping as it is now kept, and whether it is the robot's first."""
         self.lab.get(RobotRecord, Robot, robot_id, "robot")
-        return self._kept.keep(robot_id, content, content_hash)
+        return self._kept.keep(robot_id, content, content_hash, replaced)
 
     @property
     def _kept(self) -> Remembered[MappingRecord]:

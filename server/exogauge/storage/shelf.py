@@ -9,16 +9,22 @@ from contextlib import suppress
 from pathlib import Path
 from typing import final
 
+from exogauge.errors import Unavailable
+
+MOST_ASKING = 12  # judgement: of a server's 40 threads; there are two shelves of what takes seconds to make
+
 
 @final
 class Shelf:
     """Files by key in a folder; the ones looked at longest ago go when it is full. Threads and processes share it."""
 
-    def __init__(self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2) -> None:
-        """at_once: how many may be made at the same time."""
+    def __init__(self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2, most: float = MOST_ASKING) -> None:
+        """at_once: how many may be made at the same time. most: how many may ask for what is still to be made; others
+        are sent away (Unavailable), as who waits holds a thread."""
         self._folder, self._kept_bytes, self._suffix = folder, kept_bytes, suffix
         self._making: dict[str, threading.Lock] = {}
         self._lock, self._at_once = threading.Lock(), threading.Semaphore(at_once)
+        self._most, self._inside = most, 0
 
     def get(self, key: str, make: Callable[[], bytes]) -> Path:
         """The file of this key (letters and digits); `make` is called where there is none, and may raise."""
@@ -26,21 +32,38 @@ class Shelf:
 
     def filled(self, key: str, write: Callable[[Path], object]) -> Path:
         """As `get`, where `write` puts the content at a path on the same file system."""
-        path = self._folder / f"{key}{self._suffix}"
+        if (there := self.found(key)) is not None:
+            return there
+        path = self._path(key)
         with self._lock:
+            if self._inside >= self._most:
+                raise Unavailable("too much is asked for at once that has to be made first; try again in a moment")
+            self._inside += 1
             making = self._making.setdefault(key, threading.Lock())
-        with making:
-            try:
-                if not self._touched(path):
-                    with self._at_once:
-                        self._put(path, write)
-            finally:
-                with self._lock:
-                    self._making.pop(key, None)
+        try:
+            with making:
+                try:
+                    if not self._touched(path):
+                        with self._at_once:
+                            self._put(path, write)
+                finally:
+                    with self._lock:
+                        self._making.pop(key, None)
+        finally:
+            with self._lock:
+                self._inside -= 1
         return path
 
+    def found(self, key: str) -> Path | None:
+        """The file of this key, if it is there now."""
+        path = self._path(key)
+        return path if self._touched(path) else None
+
     def drop(self, key: str) -> None:
-        (self._folder / f"{key}{self._suffix}").unlink(missing_ok=True)
+        self._path(key).unlink(missing_ok=True)
+
+    def _path(self, key: str) -> Path:
+        return self._folder / f"{key}{self._suffix}"
 
     def _touched(self, path: Path) -> bool:
         try:

@@ -34,7 +34,7 @@ from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
 from exogauge.storage.publications import Publications
-from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
+from exogauge.storage.quotas import NO_LIMIT, Quotas, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.remembered import Mappings, contacts_of, maps_of
 from exogauge.storage.row_security import ALL
@@ -81,8 +81,9 @@ class Store:
         self.webhooks = Webhooks(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
-        """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
-        refuse_bytes(self.lab, self.quotas, more + (bytes_on_their_way(self.lab) if coming else 0))
+        """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way. What
+        this transaction has added counts: who adds asks once more, for nothing more, as others may have added too."""
+        refuse_bytes(self.lab, self.quotas, more, coming=coming)
 
     def owners(self, noun: str) -> Bundles[Any]:
         """All of a sort that jobs can be of: one of `tables.OWNERS`."""

@@ -58,6 +58,21 @@ class Added:
     def key(self) -> tuple[str, int]:
         return self.effect.name, self.wire
 
+    @property
+    def searched(self) -> tuple[int, ...]:
+        """Places of the shapes of which every value between their bounds is another law."""
+        linear = {each.name for each in self.effect.coefficients}
+        return tuple(k for k, one in enumerate(self.effect.shapes) if not one.of_two and one.name not in linear)
+
+    def linear_about_itself(self) -> Added:
+        """With the values about which the law is taken as linear at what the coefficients are."""
+        found = {each.name: value for each, value in zip(self.effect.coefficients, self.coefficients, strict=True)}
+        shape = (
+            float(np.clip(found[one.name], one.low, one.high)) if one.name in found else value
+            for one, value in zip(self.effect.shapes, self.shape, strict=True)
+        )
+        return replace(self, shape=tuple(shape))
+
 
 @final
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import ipaddress
 import os
 import socket
 import ssl
+import time
 from collections.abc import Collection, Iterable, Mapping
 from typing import final
 from urllib.parse import urlsplit
@@ -18,10 +19,22 @@ from urllib.parse import urlsplit
 import certifi
 import httpcore
 
-PATIENCE_S = 10.0  # judgement: for an answer; who is slower is asked again
+PATIENCE_S = 10.0  # judgement: for each step of an answer; who is slower is asked again
+WHOLE_S = 20.0  # judgement: for all of it: who sends a byte now and then holds up the deliveries of others
+GIVEN_OUT = ipaddress.ip_network(
+    "2000::/3"
+)  # of IPv6, all that the internet has (IANA); the rest is of single networks
 ALSO_PRIVATE = tuple(  # public as the registries have it, and a way into a private network
     ipaddress.ip_network(each)
-    for each in ("64:ff9b::/96", "64:ff9b:1::/48", "2002::/16", "2001::/32", "192.88.99.0/24", "100.64.0.0/10")
+    for each in (
+        "64:ff9b::/96",
+        "64:ff9b:1::/48",
+        "2002::/16",
+        "2001::/32",
+        "192.88.99.0/24",
+        "100.64.0.0/10",
+        "3fff::/20",
+    )
 )
 LONGEST_URL = 2000  # letters, as the column of webhooks has it
 
@@ -52,11 +65,11 @@ def post(url: str, body: bytes, headers: Mapping[str, str], private: Collection[
 
 def checked(url: str) -> None:
     """Refused unless it is an https address with a host, and no name and password in it."""
-    parts = urlsplit(url)
     try:
+        parts = urlsplit(url)
         port = parts.port
     except ValueError:
-        raise Refused("its port is none") from None
+        raise Refused("its host or its port is none") from None
     if parts.scheme != "https" or not parts.hostname:
         raise Refused("an address begins with https://")
     if parts.username is not None or parts.fragment or len(url) > LONGEST_URL or port == 0:
@@ -80,8 +93,10 @@ class PublicNetwork(httpcore.NetworkBackend):
         socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
     ) -> httpcore.NetworkStream:
         """TLS asks for the name all the same: the certificate has to be that of the host."""
+        until = time.monotonic() + WHOLE_S
         address = self._address(host, port)
-        return self._network.connect_tcp(address, port, timeout, local_address, socket_options)
+        stream = self._network.connect_tcp(address, port, timeout, local_address, socket_options)
+        return UntilStream(stream, until)
 
     def _address(self, host: str, port: int) -> str:
         try:
@@ -96,10 +111,38 @@ class PublicNetwork(httpcore.NetworkBackend):
         return addresses[0]
 
 
+@final
+class UntilStream(httpcore.NetworkStream):
+    """A connection that ends at a time, whatever still comes."""
+
+    def __init__(self, stream: httpcore.NetworkStream, until: float) -> None:
+        self._stream, self._until = stream, until
+        self.close, self.get_extra_info = stream.close, stream.get_extra_info  # type: ignore[method-assign]
+
+    def read(self, max_bytes: int, timeout: float | None = None) -> bytes:
+        return self._stream.read(max_bytes, self._left(timeout))
+
+    def write(self, buffer: bytes, timeout: float | None = None) -> None:
+        self._stream.write(buffer, self._left(timeout))
+
+    def start_tls(
+        self, ssl_context: ssl.SSLContext, server_hostname: str | None = None, timeout: float | None = None
+    ) -> httpcore.NetworkStream:
+        return UntilStream(self._stream.start_tls(ssl_context, server_hostname, self._left(timeout)), self._until)
+
+    def _left(self, timeout: float | None) -> float:
+        left = self._until - time.monotonic()
+        if left <= 0:
+            raise httpcore.ReadTimeout(f"it did not answer within {WHOLE_S:.0f} s")
+        return left if timeout is None else min(timeout, left)
+
+
 def is_public(address: str) -> bool:
     """Whether it is of the internet: no loopback, private, link-local or reserved one, however it is wrapped."""
     found = ipaddress.ip_address(address.partition("%")[0])
     if isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped is not None:
         found = found.ipv4_mapped
+    if isinstance(found, ipaddress.IPv6Address) and found not in GIVEN_OUT:
+        return False
     inside = any(found.version == each.version and found in each for each in ALSO_PRIVATE)
     return found.is_global and not found.is_multicast and not inside

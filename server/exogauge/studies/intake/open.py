@@ -22,7 +22,13 @@ from exogauge.logs.segments import segments, with_beside
 from exogauge.logs.whole_turns import in_one_course
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot, drifts_in_doubt
-from exogauge.robots.urdf_check import idle_joints, impossible_density, limits_in_degrees, raised_inertias
+from exogauge.robots.urdf_check import (
+    idle_joints,
+    impossible_density,
+    limits_in_degrees,
+    masses_alike,
+    raised_inertias,
+)
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.intake.expected import expectation
@@ -140,6 +146,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         notices=(
             *map(notice, raised_inertias(urdf, robot_file.urdf)),
             *map(notice, impossible_density(urdf, robot_file.urdf, settings.criteria.doctor)),
+            *map(notice, masses_alike(urdf, robot_file.urdf)),
             *map(notice, limits_in_degrees(urdf, robot_file.urdf, settings.criteria.doctor)),
             *map(notice, idle_joints(robot.tree, robot_file.urdf)),
             *worn.notices,

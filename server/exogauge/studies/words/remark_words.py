@@ -43,6 +43,11 @@ FORMS: Mapping[About, Form] = {
         "{beside}: its links weigh {0:.4g} kg, and half of that has an inertia of zero along some axis, which no body "
         "has: give those of the maker, or of a box of the link's size."
     ),
+    About.MASSES_ALIKE: Form(
+        "{beside}: each of its {1:.0f} links that weigh weighs {0:.4g} kg, as where a number stands in for what nobody "
+        "knew. Masses that the logs do not tell stay as they are stated there: give those of the maker, or state that "
+        "they are not known (`inertial_prior_std` in robot.yaml)."
+    ),
     About.LIMITS_IN_DEGREES: Form(
         "{beside}: half of the joints that turn do so to {0:.3g} rad and more. Limits of a URDF are in rad: were they "
         "written in degrees? Units of logs and planned motions rest on them."
@@ -118,6 +123,11 @@ FORMS: Mapping[About, Form] = {
         "The logs contradict the stated k_T of {names}. It is believed no more than that. Is it the motor and the gear "
         "that robot.yaml describes?",
         each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
+    ),
+    About.LEFT_WITHOUT_SEARCH: Form(
+        "Held-out logs leave more than noise: {names}. All that is fitted beside it counts as that much more doubtful. "
+        "Nothing has looked for why: the step `discrepancy` does.",
+        each="{name} ({0:.2g} of its noise)",
     ),
     About.NOT_CONVERGED: Form(
         "The search among possible bodies stopped after {0:.0f} steps, {1:.2g} squared standard deviations above the "
