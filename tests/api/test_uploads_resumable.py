@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Callable, Mapping
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from email.utils import parsedate_to_datetime
 from typing import TYPE_CHECKING, Any
 
@@ -236,16 +236,33 @@ def test_nobody_else_and_nobody_later_finds_an_upload(client: TestClient) -> Non
 
 
 @on_sqlite
+def test_a_server_whose_clock_is_ahead_gives_no_upload_up(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    from exogauge.api import uploads_resumable
+    from exogauge.storage import sweeping, table_kinds, uploads
+
+    place = begin(client, 3)
+    send(client, place, 0, b"1")
+
+    def ahead() -> datetime:
+        return datetime.now(UTC) + timedelta(days=400)
+
+    for module in (uploads, table_kinds, uploads_resumable):
+        monkeypatch.setattr(module, "utc_now", ahead, raising=False)
+    settings, installation = client.app.state.settings, client.app.state.installation  # type: ignore[attr-defined]
+    assert sweeping.sweep_machine(installation, settings).uploads == 0
+    assert offset(client, place) == 1
+
+
+@on_sqlite
 def test_what_nobody_comes_back_for_is_removed(client: TestClient) -> None:
     from exogauge.storage.sweeping import sweep_machine
-    from exogauge.storage.tables import utc_now
 
     place = begin(client, 3)
     settings, installation = client.app.state.settings, client.app.state.installation  # type: ignore[attr-defined]
     storage = installation.of_lab("local")
     send(client, place, 0, b"1")
     with storage.transaction() as store:
-        store.uploads.wait_longer(place.rsplit("/", 1)[-1], utc_now() - timedelta(seconds=1))
+        store.uploads.wait_longer(place.rsplit("/", 1)[-1], timedelta(seconds=-1))
     gone = client.head(place, headers=TUS)
     assert gone.status_code == 404
     fresh = begin(client, 3)
