@@ -6,7 +6,6 @@ A trunk that turns and bends, with two crossed bands on its back and an arm. Whe
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 
@@ -336,7 +335,7 @@ HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness",
 COSTLY = {"band_via_friction", "band_relaxation"}
 TURNS = [
     pytest.param(effect, band, marks=[pytest.mark.thorough] if effect in COSTLY else [])
-    for effect, band in zip(HIDDEN, itertools.cycle(["left", "right"]), strict=False)
+    for effect, band in zip(HIDDEN, ["right", *["left"] * 6], strict=True)  # what others look at, too, is on the left
 ]
 
 
@@ -423,7 +422,7 @@ def test_beside_a_band_that_nobody_declared_no_number_of_the_others_is_blamed(tr
 
 @pytest.mark.slow
 def test_the_bands_stiffness_is_no_longer_wrong_once_the_effect_is_there(trunk):
-    found = search(trunk, ("left", "band_relaxation"))
+    found = search(trunk, ("left", "band_hardening"))
     (changed,) = [each for each in found.before_after if (each.what, each.of) == ("stiffness", ("left",))]
     assert abs(changed.after.value - K) < 0.6 * abs(changed.before.value - K)
     assert found.wear_chain[-1].rmse < found.wear_chain[0].rmse
@@ -462,8 +461,8 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
 
 @pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
-    (finding,) = search(trunk, ("left", "band_via_friction")).findings
-    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+    (finding,) = search(trunk, ("right", "band_viscous")).findings
+    assert named(search(trunk, ("right", "band_viscous"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):

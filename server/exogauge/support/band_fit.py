@@ -196,13 +196,13 @@ def _beside_beliefs(seen: BandFit) -> BandFit:
     sample; what is believed must be weighed against what the samples are worth, not against their number."""
     S = len(seen.setting.belief.mean)
     nothing = replace(seen.setting, belief=Belief(seen.setting.belief.mean, np.zeros((S, S))))
-    alone = at(nothing, seen.fitted.wear)
+    alone = at(nothing, seen.fitted)
     doubt = covariance(nothing, alone, seen.robot, seen.null)
     size = 1.0 / np.sqrt(np.maximum(np.diag(alone.hessian), 1e-300))
     known = int(np.sum(np.linalg.eigvalsh(alone.hessian * np.outer(size, size)) > NULL * len(size)))
     overstated = float(max(1.0, np.trace(alone.hessian @ doubt) / max(known, 1)))
     setting = replace(seen.setting, weight=seen.setting.weight / overstated)
-    fitted = fit(setting, seen.fitted.wear)
+    fitted = fit(setting, seen.fitted)
     null = None if seen.null is None else replace(seen.null, weight=seen.null.weight / overstated)
     return replace(seen, setting=setting, fitted=fitted, null=null)
 
