@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 from email.utils import parsedate_to_datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -316,3 +317,22 @@ def test_a_piece_beyond_the_end_leaves_nothing(
     assert offset(client, place) == 5
     assert [path.read_bytes() for path in settings.uploads.iterdir()] == [b"12345"]
     assert send(client, place, 5, data[5:]).status_code == 204
+
+
+@on_sqlite
+def test_who_uses_what_another_request_uses_is_told_to_try_again(client: TestClient, tmp_path: Path) -> None:
+    from obstore.store import LocalStore
+
+    from exogauge.api.uploads_resumable import whole
+    from exogauge.errors import Conflict
+    from exogauge.storage.objects import SharedPieces, Stores
+    from exogauge.storage.partial_files import PartialFiles
+    from exogauge.storage.reach import Reach
+
+    place: Any = LocalStore(str(tmp_path / "away"), mkdir=True)
+    files = PartialFiles(tmp_path / "here", SharedPieces(Stores(place, place), Reach()))
+    storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
+    key = begin(client, 0).rsplit("/", 1)[-1]
+    with files.appending(key), pytest.raises(Conflict, match="try again"):
+        whole([key], storage, files)
+    assert whole([key], storage, files)[0][1].read_bytes() == b""

@@ -32,6 +32,7 @@ def found(robot, record):
     return of
 
 
+@pytest.mark.slow
 def test_friction_that_grows_with_the_load_makes_the_others_doubtful_and_is_told(found):
     one, other = found(grows_with_load)
     before, after = ({each.name: each for each in found.parameters} for found in (one, other))

@@ -301,7 +301,10 @@ def whole(keys: Sequence[str], storage: Storage, files: PartialFiles) -> list[tu
     found = []
     for key in keys:
         upload = find(key, storage)
-        path, there = files.whole(key)
+        try:
+            path, there = files.whole(key)
+        except InUse:
+            raise Conflict(f"another request sends to upload {key}, or uses it; try again") from None
         if there != upload.size:
             raise Conflict(f"upload {key} ({upload.name}) has {there} of {upload.size} bytes; send the rest first")
         found.append((upload, path))
