@@ -465,6 +465,7 @@ def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trun
     assert named(search(trunk, ("right", "band_viscous"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
+@pytest.mark.slow
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
     seen = gathered(trunk, None, 1)
     sure = lay_ground(trunk.model, seen, trunk.device, [_linear(trunk)])
