@@ -36,6 +36,7 @@ class About(StrEnum):
     CENTRE_LET_GO = "centre_let_go"
     MASS_LET_GO = "mass_let_go"
     GAIN_LET_GO = "gain_let_go"
+    LEFT_WITHOUT_SEARCH = "left_without_search"  # channels that no search looked into; error over its noise
     NOT_CONVERGED = "not_converged"  # -; -; -; steps, squared standard deviations above the minimum, and asked for
     REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies
     UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many

@@ -15,14 +15,14 @@ import sqlalchemy as sa
 from fastapi.testclient import TestClient
 
 from exogauge.api.app import create_app
-from exogauge.api.rate import Buckets
+from exogauge.api.rate import Buckets, place_of
 from exogauge.errors import QuotaFull, TooMany, Unavailable
 from exogauge.sandbox.asking import Places, at_once
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.quotas import Quotas, cpu_s_of, refuse_jobs
 from exogauge.storage.store import Storage, Store
-from exogauge.storage.tables import Job, new_id, utc_now
+from exogauge.storage.tables import Job, new_id
 
 V1 = "/api/v1"
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -65,6 +65,23 @@ def test_a_bucket_fills_as_time_goes_on_and_is_each_address_own() -> None:
     assert buckets.wait_s("a") > 0.0
     now[0] = 1e6
     assert [buckets.wait_s("a") for _ in range(21)].count(0.0) == 20
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("2606:4700::1", "2606:4700::ffff:2", True),
+        ("2606:4700:0:1::1", "2606:4700::1", False),
+        ("fe80::1%eth0", "fe80::2", True),
+        ("::ffff:1.2.3.4", "::ffff:1.2.3.5", False),
+        ("1.2.3.4", "1.2.3.5", False),
+        ("1.2.3.4", "::ffff:1.2.3.4", True),
+        ("testclient", "testclient", True),
+        ("a:b", "a:c", False),
+    ],
+)
+def test_whoever_has_a_network_of_ipv6_is_one(one: str, other: str, same: bool) -> None:
+    assert (place_of(one) == place_of(other)) is same
 
 
 def test_as_many_are_read_at_once_as_may_and_the_next_is_sent_away() -> None:
@@ -150,7 +167,7 @@ def test_who_adds_at_once_with_another_has_no_more_than_both_may(
             store.studies.add("s", [PinnedFile("study.yaml", str(number) * 64, 6)], {})
             store.refuse_bytes(0)
         elif of == "uploads":
-            store.uploads.add(new_id(), "u", 6, utc_now() + timedelta(days=1))
+            store.uploads.add(new_id(), "u", 6, timedelta(days=1))
             store.refuse_bytes(0, coming=True)
         else:
             refuse_jobs(store.lab, store.quotas)

@@ -10,6 +10,7 @@ import stat
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -245,3 +246,12 @@ def zip_of(entries: list[tuple[Any, bytes]]) -> bytes:
         for name, content in entries:
             archive.writestr(name, content)
     return packed.getvalue()
+
+
+def test_what_refers_to_a_thing_that_is_deleted_at_this_moment_is_a_conflict(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from exogauge.storage.webhooks import Webhooks
+
+    monkeypatch.setattr(Webhooks, "get", lambda *_: SimpleNamespace(disabled_at=None))  # it was there just now
+    problem(client.post(f"{V1}/webhooks/{NOBODY}/ping"), 409)

@@ -148,7 +148,7 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
     delivery = store.webhooks.ping(webhook.id)
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
-    store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
+    store.uploads.add(upload, "Northern.csv", 0, timedelta(hours=1))
     return {
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",

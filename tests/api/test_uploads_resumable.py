@@ -5,8 +5,9 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Callable, Mapping
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from email.utils import parsedate_to_datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -236,16 +237,33 @@ def test_nobody_else_and_nobody_later_finds_an_upload(client: TestClient) -> Non
 
 
 @on_sqlite
+def test_a_server_whose_clock_is_ahead_gives_no_upload_up(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    from exogauge.api import uploads_resumable
+    from exogauge.storage import sweeping, table_kinds, uploads
+
+    place = begin(client, 3)
+    send(client, place, 0, b"1")
+
+    def ahead() -> datetime:
+        return datetime.now(UTC) + timedelta(days=400)
+
+    for module in (uploads, table_kinds, uploads_resumable):
+        monkeypatch.setattr(module, "utc_now", ahead, raising=False)
+    settings, installation = client.app.state.settings, client.app.state.installation  # type: ignore[attr-defined]
+    assert sweeping.sweep_machine(installation, settings).uploads == 0
+    assert offset(client, place) == 1
+
+
+@on_sqlite
 def test_what_nobody_comes_back_for_is_removed(client: TestClient) -> None:
     from exogauge.storage.sweeping import sweep_machine
-    from exogauge.storage.tables import utc_now
 
     place = begin(client, 3)
     settings, installation = client.app.state.settings, client.app.state.installation  # type: ignore[attr-defined]
     storage = installation.of_lab("local")
     send(client, place, 0, b"1")
     with storage.transaction() as store:
-        store.uploads.wait_longer(place.rsplit("/", 1)[-1], utc_now() - timedelta(seconds=1))
+        store.uploads.wait_longer(place.rsplit("/", 1)[-1], timedelta(seconds=-1))
     gone = client.head(place, headers=TUS)
     assert gone.status_code == 404
     fresh = begin(client, 3)
@@ -299,3 +317,22 @@ def test_a_piece_beyond_the_end_leaves_nothing(
     assert offset(client, place) == 5
     assert [path.read_bytes() for path in settings.uploads.iterdir()] == [b"12345"]
     assert send(client, place, 5, data[5:]).status_code == 204
+
+
+@on_sqlite
+def test_who_uses_what_another_request_uses_is_told_to_try_again(client: TestClient, tmp_path: Path) -> None:
+    from obstore.store import LocalStore
+
+    from exogauge.api.uploads_resumable import whole
+    from exogauge.errors import Conflict
+    from exogauge.storage.objects import SharedPieces, Stores
+    from exogauge.storage.partial_files import PartialFiles
+    from exogauge.storage.reach import Reach
+
+    place: Any = LocalStore(str(tmp_path / "away"), mkdir=True)
+    files = PartialFiles(tmp_path / "here", SharedPieces(Stores(place, place), Reach()))
+    storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
+    key = begin(client, 0).rsplit("/", 1)[-1]
+    with files.appending(key), pytest.raises(Conflict, match="try again"):
+        whole([key], storage, files)
+    assert whole([key], storage, files)[0][1].read_bytes() == b""

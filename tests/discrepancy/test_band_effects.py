@@ -6,7 +6,6 @@ A trunk that turns and bends, with two crossed bands on its back and an arm. Whe
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 
@@ -18,6 +17,7 @@ from scipy.signal import lfilter
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import lay_ground
+from exogauge.detect.device.finding import with_numbers_beside
 from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.detect.device.workflow import find_band_effects
 from exogauge.devices.device import Band, Device, ViaPoint
@@ -347,7 +347,7 @@ HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness",
 COSTLY = {"band_via_friction", "band_relaxation"}
 TURNS = [
     pytest.param(effect, band, marks=[pytest.mark.thorough] if effect in COSTLY else [])
-    for effect, band in zip(HIDDEN, itertools.cycle(["left", "right"]), strict=False)
+    for effect, band in zip(HIDDEN, ["right", *["left"] * 6], strict=True)  # what others look at, too, is on the left
 ]
 
 
@@ -434,7 +434,7 @@ def test_beside_a_band_that_nobody_declared_no_number_of_the_others_is_blamed(tr
 
 @pytest.mark.slow
 def test_the_bands_stiffness_is_no_longer_wrong_once_the_effect_is_there(trunk):
-    found = search(trunk, ("left", "band_relaxation"))
+    found = search(trunk, ("left", "band_hardening"))
     (changed,) = [each for each in found.before_after if (each.what, each.of) == ("stiffness", ("left",))]
     assert abs(changed.after.value - K) < 0.6 * abs(changed.before.value - K)
     assert found.wear_chain[-1].rmse < found.wear_chain[0].rmse
@@ -473,8 +473,8 @@ def test_a_strap_that_slides_is_neither_a_law_of_its_band_nor_a_wrong_number(tru
 
 @pytest.mark.slow
 def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
-    (finding,) = search(trunk, ("left", "band_via_friction")).findings
-    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+    (finding,) = search(trunk, ("right", "band_viscous")).findings
+    assert named(search(trunk, ("right", "band_viscous"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
@@ -625,29 +625,14 @@ def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
 
 @pytest.mark.slow
 @pytest.mark.thorough
-@pytest.mark.parametrize(
-    "effect",
-    [
-        pytest.param(
-            each,
-            marks=pytest.mark.xfail(
-                each == "band_via_friction",
-                reason="stated numbers are the search's, the springs beside them were fitted with others: 6 N/m of 600",
-                strict=True,
-            ),
-        )
-        for each in HIDDEN
-        if each != "band_slip"
-    ],
-)
+@pytest.mark.parametrize("effect", [each for each in HIDDEN if each != "band_slip"])
 def test_what_was_named_and_is_stated_now_is_not_named_again_and_the_stiffness_stays(trunk, effect):
     """Into device.yaml as text, read again, the same logs with it."""
     found, seen = search(trunk, ("left", effect)), gathered(trunk, ("left", effect), 1)
     (beside,) = found.bands or (None,)
     told = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS, beside)
-    taken = taken_over(
-        device_content(trunk.device), discrepancy_entry(found)["findings"], finite(stiffness_entries([told]))
-    )
+    findings = discrepancy_entry(with_numbers_beside(found, [told]))["findings"]
+    taken = taken_over(device_content(trunk.device), findings, finite(stiffness_entries([told])))
     text = taken.text("a test")
     assert taken.ranks == (1,)
     assert not taken.left

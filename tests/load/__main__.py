@@ -39,6 +39,7 @@ from exogauge.jobs import schema
 from exogauge.settings import Settings
 from exogauge.storage import tables
 from exogauge.storage.accounts import Accounts
+from exogauge.storage.bundles import words_of
 from exogauge.storage.database import make_engine
 from exogauge.storage.store import open_installation
 
@@ -169,11 +170,9 @@ def copy(url: str, study: str, count: int, chance: random.Random) -> tuple[list[
                         if name in new:
                             new[name] = keys[k]
                     if table is tables.Study:
-                        new |= {
-                            "id": studies[k],
-                            "content_hash": other[k],
-                            "name": f"{row['name']} {chance.randrange(100)}",
-                        }
+                        name = f"{row['name']} {chance.randrange(100)}"
+                        new |= {"id": studies[k], "content_hash": other[k], "name": name}
+                        new["words"] = words_of(name, row["summary"])
                     if table is tables.Job:
                         new |= {"id": jobs[k], "request_hash": other[k]}
                     made.append(new)

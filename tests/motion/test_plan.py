@@ -199,7 +199,8 @@ def test_frame_by_frame_keeps_joints_in_their_range_and_the_feet_in_place_as_lon
 
 
 @pytest.mark.skipif(not (CAPTURES.is_dir() and JVRC.is_file()), reason="../shared/data/model_jvrc1 is not there")
-@pytest.mark.parametrize("planned_too", [False, pytest.param(True, marks=[pytest.mark.slow, pytest.mark.thorough])])
+@pytest.mark.slow
+@pytest.mark.parametrize("planned_too", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path, planned_too: bool) -> None:
     """JVRC-1, 62 kg, with a torso of three joints; its soles are not in its URDF and are guessed here."""
     shutil.copy(JVRC, tmp_path / "robot.urdf")

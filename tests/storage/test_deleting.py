@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from datetime import timedelta
 
 import pytest
 import sqlalchemy as sa
 
 from exogauge.errors import Conflict, NotFound
+from exogauge.storage.accounts import Accounts
 from exogauge.storage.checking import check
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.live_streams import Counts
@@ -103,3 +106,29 @@ def test_nobody_deletes_what_is_another_lab_s(storage: Storage) -> None:
     for noun, key in (("studies", study.id), ("logs", log.id)):
         with pytest.raises(NotFound), other.transaction() as store:
             getattr(store, noun).delete(key)
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)  # SQLite's writers take turns
+@pytest.mark.parametrize("first", ["share", "delete"])
+def test_a_study_is_shared_once_or_gone_whoever_asks_at_once(storage: Storage, first: str) -> None:
+    with Installation(storage.engine, storage.blobs).session() as session:
+        Accounts(session).found_lab("Here", storage.lab_id)
+    with storage.transaction() as store:
+        study, _ = store.studies.add("s", [], {})
+
+    def another() -> str:
+        try:
+            with storage.transaction() as store:
+                return store.shares.add(study.id, None).id
+        except NotFound:
+            return "gone"
+
+    with ThreadPoolExecutor(1) as pool:
+        with storage.transaction() as store:
+            mine = store.shares.add(study.id, None).id if first == "share" else "gone"
+            if first == "delete":
+                store.studies.delete(study.id)
+            other = pool.submit(another)
+            with suppress(TimeoutError):
+                other.result(0.5)
+        assert other.result(30.0) == mine

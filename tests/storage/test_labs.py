@@ -14,7 +14,7 @@ from exogauge.storage import bundles, jobs, records, rows
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Installation, Storage
-from exogauge.storage.tables import OWNERS, Artifact, AuditEntry, Job, Study, StudyFile, utc_now
+from exogauge.storage.tables import OWNERS, Artifact, AuditEntry, Job, Study, StudyFile
 from exogauge.storage.uploads import take_expired
 
 
@@ -129,10 +129,10 @@ def test_the_same_content_is_each_lab_s_own_and_so_is_what_is_said_of_it(
 
 
 def test_uploads_whose_time_has_run_out_are_forgotten_in_every_lab(installation: Installation) -> None:
-    now, hour = utc_now(), timedelta(hours=1)
+    hour = timedelta(hours=1)
     for lab, late in (("north", hour), ("south", hour), ("west", -hour)):
         with installation.of_lab(lab).transaction() as store:
-            store.uploads.add(f"of {lab}", "log.csv", 3, now - late)
+            store.uploads.add(f"of {lab}", "log.csv", 3, -late)
     with installation.session() as session:
         assert sorted(take_expired(session)) == ["of north", "of south"]
     with installation.session() as session:

@@ -60,6 +60,11 @@ def test_a_missing_file_is_named_with_a_neighbour(folder: Path) -> None:
         open_bundle(folder).path("logs/id_l.parquet", named_in="study.yaml", row=5)
 
 
+def test_a_folder_is_called_one_and_what_is_in_it_is_named(folder: Path) -> None:
+    with pytest.raises(BadStudy, match=r"is a folder.*logs/id_1\.parquet"):
+        open_bundle(folder).path("logs", named_in="study.yaml", row=5)
+
+
 @pytest.mark.parametrize("name", ["../evil", "/evil", "a/../../evil", "a\\evil"])
 def test_a_zip_member_stays_inside(tmp_path: Path, name: str) -> None:
     with zipfile.ZipFile(tmp_path / "evil.zip", "w") as archive:

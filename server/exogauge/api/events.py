@@ -22,7 +22,7 @@ from starlette.concurrency import run_in_threadpool
 from exogauge.api.dependencies import Id, StorageDep
 from exogauge.api.jobs import JobOut
 from exogauge.api.routing import Router
-from exogauge.errors import Unavailable
+from exogauge.errors import NotFound, Unavailable
 from exogauge.jobs import requests
 from exogauge.storage.job_tables import ENDED
 from exogauge.storage.store import Installation, Storage
@@ -135,9 +135,9 @@ async def watch_job(
 
 
 def look(storage: Storage, job_id: str) -> JobOut | None:
-    """The job now; None while the database is away."""
+    """The job now; None while the database is away, or where it was deleted just now: the next look says so."""
     try:
         with storage.reading() as store:
             return JobOut.of(store.jobs.get(job_id), store.session)
-    except Unavailable:
+    except (Unavailable, NotFound):
         return None

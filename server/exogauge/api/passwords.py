@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import timedelta
 from functools import cache
-from ipaddress import ip_address, ip_network
 
 from pwdlib import PasswordHash
 from starlette.exceptions import HTTPException
 
+from exogauge.api.rate import place_of
 from exogauge.errors import BadInput, Fault, Unavailable
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.store import Installation
@@ -95,7 +95,7 @@ def signed_in(installation: Installation, email: str, password: str, address: st
 def count_try(installation: Installation, account: str, address: str) -> list[str]:
     """Of this account from this place, from this place, of this account: counted before the password is looked at, so
     that guesses made at once are all counted. 429 where one is too many."""
-    place = network_of(address)
+    place = place_of(address)
     keys = [key_of("both", account, place), key_of("address", place), key_of("account", account)]
     with installation.session() as session:
         tries = Accounts(session).count_tries(keys, WINDOW)
@@ -107,12 +107,3 @@ def count_try(installation: Installation, account: str, address: str) -> list[st
 
 def key_of(*parts: str) -> str:
     return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
-
-
-def network_of(address: str) -> str:
-    """Of IPv6 the network: whoever has one address has 2⁶⁴."""
-    try:
-        found = ip_address(address)
-    except ValueError:
-        return address
-    return str(ip_network(f"{found}/64", strict=False)) if found.version == 6 else str(found)

@@ -12,7 +12,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel
-from sqlalchemy.exc import DataError, InterfaceError, OperationalError
+from sqlalchemy.exc import DataError, IntegrityError, InterfaceError, OperationalError
 from starlette.exceptions import HTTPException
 
 from exogauge.errors import (
@@ -35,7 +35,7 @@ from exogauge.errors import (
     Unavailable,
     no_room,
 )
-from exogauge.storage.database import away
+from exogauge.storage.database import away, refers_to_nothing
 
 log = logging.getLogger(__name__)
 
@@ -216,6 +216,13 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(InterfaceError)
     def _database(request: Request, error: Any) -> JSONResponse:
         return of_error(away(error), request.url.path)
+
+    @app.exception_handler(IntegrityError)
+    def _gone(request: Request, error: IntegrityError) -> JSONResponse:
+        if not refers_to_nothing(error):
+            return _defect(request, error)
+        detail = "what this refers to was deleted at this moment; read it again"
+        return of_error(Conflict(detail), request.url.path)
 
     @app.exception_handler(DataError)
     def _unstorable(request: Request, error: DataError) -> JSONResponse:

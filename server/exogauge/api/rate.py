@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable
+from ipaddress import IPv4Address, ip_address, ip_network
 from typing import final
 
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -37,6 +38,19 @@ class Buckets:
         return wait
 
 
+def place_of(address: str) -> str:
+    """Of IPv6 the network: whoever has one address has 2⁶⁴."""
+    if ":" not in address:
+        return address
+    try:
+        found = ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    if isinstance(found, IPv4Address):
+        return str(found)
+    return str(found.ipv4_mapped or ip_network((found, 64), strict=False))
+
+
 @final
 class Rate:
     """ASGI middleware. per_s: requests of one address in the mean; 0: as many as it likes."""
@@ -48,7 +62,7 @@ class Rate:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if self.buckets is not None and scope["type"] == "http" and scope["path"] not in UNCOUNTED:
             address = (scope.get("client") or ("", 0))[0]
-            if wait := self.buckets.wait_s(address):
+            if wait := self.buckets.wait_s(place_of(address)):
                 error = TooMany("too many requests come from this address (EXOGAUGE_REQUESTS_PER_S)", wait)
                 await of_error(error, scope["path"])(scope, receive, send)
                 return

@@ -37,7 +37,7 @@ from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import PartialFiles, copy_piece, sync, write_all
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
-from exogauge.storage.tables import new_id, utc_now
+from exogauge.storage.tables import new_id
 
 router = Router(tags=["uploads"])
 VERSION = "1.0.0"
@@ -136,7 +136,7 @@ def create_upload(
         store.refuse_bytes(size, coming=True)
     files.create(key)
     with storage.transaction() as store:
-        upload = store.uploads.add(key, name, size, until(settings))
+        upload = store.uploads.add(key, name, size, kept_for(settings))
         store.refuse_bytes(0, coming=True)
     response.headers["Location"] = request.url_for("get_upload_offset", upload_id=key).path
     response.headers["Upload-Expires"] = http_date(upload)
@@ -292,7 +292,7 @@ def find(key: str, storage: Storage) -> UploadRecord:
 
 def kept_longer(upload: UploadRecord, storage: Storage, settings: Settings) -> UploadRecord:
     with storage.transaction() as store:
-        store.uploads.wait_longer(upload.id, until(settings))
+        store.uploads.wait_longer(upload.id, kept_for(settings))
         return store.uploads.get(upload.id)
 
 
@@ -301,7 +301,10 @@ def whole(keys: Sequence[str], storage: Storage, files: PartialFiles) -> list[tu
     found = []
     for key in keys:
         upload = find(key, storage)
-        path, there = files.whole(key)
+        try:
+            path, there = files.whole(key)
+        except InUse:
+            raise Conflict(f"another request sends to upload {key}, or uses it; try again") from None
         if there != upload.size:
             raise Conflict(f"upload {key} ({upload.name}) has {there} of {upload.size} bytes; send the rest first")
         found.append((upload, path))
@@ -316,8 +319,8 @@ def remove(uploads: Sequence[UploadRecord], storage: Storage, files: PartialFile
         files.remove(upload.id)
 
 
-def until(settings: Settings) -> datetime:
-    return utc_now() + timedelta(hours=settings.upload_kept_hours)
+def kept_for(settings: Settings) -> timedelta:
+    return timedelta(hours=settings.upload_kept_hours)
 
 
 def http_date(upload: UploadRecord) -> str:

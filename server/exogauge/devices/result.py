@@ -89,11 +89,22 @@ class CrossCheck:
 
 @final
 @dataclass(frozen=True)
+class NamedLaw:
+    """What a search has named of a band or of a further wire, and its numbers beside the springs of this approach."""
+
+    effect: str
+    place: str
+    numbers: Mapping[str, Estimate]
+
+
+@final
+@dataclass(frozen=True)
 class StiffnessResult:
     """All bands of one device by one approach, from all its logs together.
 
     parameters: names `stiffness[group]`, `natural_length[band]` in the order of correlation (P, P).
     rms: [N·m] joint -> what the bands leave unexplained. samples: used. notes: what has to be kept in mind.
+    named: what was fitted beside the springs.
     """
 
     device: str
@@ -105,6 +116,7 @@ class StiffnessResult:
     samples: int
     notes: tuple[Remark, ...]
     cross_checks: tuple[CrossCheck, ...] = ()
+    named: tuple[NamedLaw, ...] = ()
 
     def with_nothing_decided(self) -> StiffnessResult:
         """The same, where no number counts as decided by the data."""

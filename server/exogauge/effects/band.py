@@ -76,7 +76,7 @@ class BandSignals:
     span: where this log begins on it and how long all are. length: (T,) [m]. rate: (T,) [m/s]. stretch: (T,) [m]
     beyond the natural length, 0 where slack. stiffness [N/m], natural_length [m]: as fitted so far. shortest, travel:
     [m] of the band's length over all logs. segment_length: (T, S) [m] of its straight parts, wrap: (T, S-1) [rad] by
-    how much it turns between them; None where they do not matter.
+    how much it turns between them; None where they do not matter. way: (T,) `way_of_a_sample`, where it is known.
     """
 
     time: Array
@@ -92,19 +92,25 @@ class BandSignals:
     travel: float
     segment_length: Array | None = None
     wrap: Array | None = None
+    way: Array | None = None
 
     @cached_property
     def taut(self) -> Array:
         """(T,) 1 where the band pulls, 0 where it is slack; it comes up within one sample's way, so that the moment
         moves with the natural length, and a fit can follow it."""
         least_way = 1e-4  # of the band's travel, within which one that hardly moves comes taut
-        way = np.abs(self.rate * np.gradient(self.time)) if len(self.time) > 1 else np.zeros(len(self.time))
+        way = way_of_a_sample(self.time, self.rate) if self.way is None else self.way
         return np.asarray(np.clip(self.stretch / np.maximum(way, max(least_way * self.travel, 1e-9)), 0.0, 1.0))
 
     @property
     def tension(self) -> Array:
         """(T,) [N] of the linear law."""
         return self.stiffness * self.stretch
+
+
+def way_of_a_sample(time: Array, rate: Array) -> Array:
+    """(T,) [m] that a band's length goes within one sample. time: (T,) [s]. rate: (T,) [m/s]."""
+    return np.abs(rate * np.gradient(time)) if len(time) > 1 else np.zeros(len(time))
 
 
 class BandEffect(Protocol):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ROBOT = "robot"
+UNEXPLAINED = "unexplained"  # what is left without a name, beside the kinds of declared inputs
 
 
 @final

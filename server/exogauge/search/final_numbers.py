@@ -26,7 +26,7 @@ from exogauge.findings.result import Excess, Finding
 from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
-from exogauge.identification.type_b import ROBOT
+from exogauge.identification.type_b import ROBOT, UNEXPLAINED
 from exogauge.robots.rows import RowType
 from exogauge.search.doubt import inverse_of_rest, shape_slopes
 from exogauge.search.locate import all_channels, pooled
@@ -34,8 +34,6 @@ from exogauge.search.score import residual_memory
 from exogauge.search.site_rows import SiteRows, collect_rows
 
 Array = NDArray[np.float64]
-
-UNEXPLAINED = "unexplained"  # beside the kinds of declared inputs
 
 
 def with_doubt_of_shapes(

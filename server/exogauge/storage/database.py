@@ -39,7 +39,7 @@ NAMING = {
     "pk": "pk_%(table_name)s",
 }
 PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreign_keys=ON")
-DISK_FULL = "53100"  # PostgreSQL's SQLSTATE
+DISK_FULL, NO_SUCH_ROW = "53100", "23503"  # PostgreSQL's SQLSTATE
 READONLY, LAB = "readonly", "lab"  # execution options of a transaction: it does not write; whose rows it sees
 TRUSTED_S = 5.0  # judgement: a connection that answered so lately is not asked whether it still does
 # judgement: how soon either end sees that the line between them was cut, longer than a network stumbles; by itself the
@@ -213,6 +213,11 @@ def away(error: DBAPIError, what: str = "answer") -> Unavailable:
     if "disk is full" in words or getattr(error.orig, "sqlstate", None) == DISK_FULL:
         return DiskFull(f"the database cannot {what} now: the disk is full")
     return Unavailable(f"the database cannot {what} now")
+
+
+def refers_to_nothing(error: DBAPIError) -> bool:
+    """A row names another that is not there; where both were looked at before, that one was deleted just now."""
+    return getattr(error.orig, "sqlstate", None) == NO_SUCH_ROW or "FOREIGN KEY constraint" in str(error.orig)
 
 
 def database_now(session: Session) -> datetime:

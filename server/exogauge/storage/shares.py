@@ -40,6 +40,8 @@ class Shares:
 
     def add(self, study_id: str, lab_name: str | None) -> ShareRecord:
         """None: with every lab. The same again is the same. NotFound where there is no such lab, or it is one's own."""
+        alone = self.lab.select(Study).where(Study.id == study_id).with_for_update()  # nobody else shares or deletes it
+        self.lab.session.execute(alone)
         study, to_lab = self._study(study_id), None
         if lab_name is not None:
             find = sa.select(LabRow.id).where(LabRow.name == lab_name, LabRow.id != self.lab.lab_id)

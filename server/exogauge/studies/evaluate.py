@@ -10,9 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from exogauge.detect.device.finding import with_numbers_beside
 from exogauge.detect.device.uncovered_joints import look_beyond
 from exogauge.detect.device.workflow import find_band_effects
-from exogauge.detect.nominal.let_go import let_go
+from exogauge.detect.not_searched import not_searched
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.detect.stored_filter.stored_pass import filtered_alike
 from exogauge.devices.result import StiffnessResult
@@ -138,7 +139,7 @@ def _evaluate(
         except BadLog as error:  # what the doctor suspects comes first: it knows the cause
             raise BadLog([*suspects(kept.findings), *error.faults]) from error
         if not spoiled and "discrepancy" not in doing:  # where it is, what has no name yet looks like a wrong number
-            found = let_go(found, recordings, study.settings)
+            found = not_searched(found, recordings, study.settings)
         doubts, bare = refuse_what_made_it_worse(found, recordings, kept.findings), found.model
         doubts = [*kept.notices, *used_worn.notices, *told_of_errors(study.robot, kept.findings), *doubts]
         give_back()
@@ -247,6 +248,7 @@ def _with_devices(
                 discrepancy = replace(discrepancy, before_after=difference)
             discrepancy = _with_wear(study, found, plain, gathered, stiffness, discrepancy, span)
             stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
+            discrepancy = with_numbers_beside(discrepancy, stiffness)
     return support, stiffness, discrepancy
 
 

@@ -6,7 +6,7 @@
 - `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their
   doubt, the best
 - `band_rows`, `band_model`, `band_nuisances`, `band_weights`, `band_fit`: bands fitted to supporting torques
-- `band_inputs`, `band_doubt`, `band_interval`, `stiffness`, `cross_checks`, `of_bands`, `worn_weight`: what their
-  springs are, how sure, whether that agrees, whether it is theirs at all, and what is worn beside them
+- `band_inputs`, `band_doubt`, `band_interval`, `named_laws`, `stiffness`, `cross_checks`, `of_bands`, `worn_weight`:
+  what their springs are, how sure, whether that agrees, whether it is theirs at all, and what is worn beside them
 - `evaluate`, `result`: the recipe and its answer
 """

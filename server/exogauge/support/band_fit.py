@@ -39,6 +39,7 @@ from exogauge.support.band_model import (
 )
 from exogauge.support.band_rows import WearLogs, Wire
 from exogauge.support.band_weights import memories, spread, weights
+from exogauge.support.named_laws import with_best_shapes
 
 Array = NDArray[np.float64]
 
@@ -51,12 +52,14 @@ SHARE = 0.2  # of a unit direction: a value with more is part of it
 @dataclass(frozen=True)
 class BandFit:
     """What the samples say. robot: covariance of its parameters. null: logs without the device as if it were on. joints
-    of the setting: those of the result come first."""
+    of the setting: those of the result come first. beyond: (P,) by which theta would be another if shapes of what was
+    named could not go on, along their slopes, beyond all that the law can be."""
 
     robot: Array
     null: Setting | None
     setting: Setting
     fitted: Fitted
+    beyond: Array | None = None
 
     def covariance(self, fitted: Fitted) -> Array:
         """(P, P) of theta about the truth."""
@@ -98,10 +101,16 @@ def fit_beside(
     sigma: Array,
     named: BandFit,
 ) -> BandFit:
-    """With what was named beside the springs, believed as the search believes them."""
+    """With what was named beside the springs, believed as the search believes them, at the shapes that suit it best
+    with what is declared beside it, too."""
     wear, W = named.fitted.wear, len(wires)
     wires += tuple(logs.wire(wire.course) for wire in named.setting.wires[W:])
     return _beside_beliefs(_weighed_fit(logs, wires, null, robot, sigma, named.setting.belief, [wear]))
+
+
+def without_shapes(setting: Setting, fitted: Fitted) -> Setting:
+    """With all that is fitted beside the springs but the shapes of what was named."""
+    return replace(setting, added=nuisance_torques(setting, fitted, shapes=False))
 
 
 def _weighed_fit(
@@ -125,7 +134,14 @@ def _weighed_fit(
         setting = replace(setting, weight=weight, independent=independent)
         setting = replace(setting, added=nuisance_torques(setting, fitted))
         fitted = fit(setting, best_start(setting, [fitted.wear, *others]))
-    return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted)
+    beyond = None
+    if fitted.wear.added:
+        alone = without_shapes(setting, fitted)
+        within = fit(alone, with_best_shapes(alone, fitted.wear))
+        setting = replace(setting, added=nuisance_torques(setting, within))
+        fitted = fit(setting, within.wear)
+        beyond = fitted.wear.theta - within.wear.theta
+    return BandFit(robot, null_test(null, setting, fitted, 1.0 / (left**2 * memory)), setting, fitted, beyond)
 
 
 def null_test(logs: WearLogs | None, setting: Setting, fitted: Fitted, counts: Array) -> Setting | None:
@@ -180,13 +196,13 @@ def _beside_beliefs(seen: BandFit) -> BandFit:
     sample; what is believed must be weighed against what the samples are worth, not against their number."""
     S = len(seen.setting.belief.mean)
     nothing = replace(seen.setting, belief=Belief(seen.setting.belief.mean, np.zeros((S, S))))
-    alone = at(nothing, seen.fitted.wear)
+    alone = at(nothing, seen.fitted)
     doubt = covariance(nothing, alone, seen.robot, seen.null)
     size = 1.0 / np.sqrt(np.maximum(np.diag(alone.hessian), 1e-300))
     known = int(np.sum(np.linalg.eigvalsh(alone.hessian * np.outer(size, size)) > NULL * len(size)))
     overstated = float(max(1.0, np.trace(alone.hessian @ doubt) / max(known, 1)))
     setting = replace(seen.setting, weight=seen.setting.weight / overstated)
-    fitted = fit(setting, seen.fitted.wear)
+    fitted = fit(setting, seen.fitted)
     null = None if seen.null is None else replace(seen.null, weight=seen.null.weight / overstated)
     return replace(seen, setting=setting, fitted=fitted, null=null)
 

@@ -22,6 +22,7 @@ from exogauge.support.evidence import on_joints
 Array = NDArray[np.float64]
 
 VIA_POINTS, DONNING = "via_points", "donning"
+SHAPE_DOUBT = 0.25  # of a shape's range: how far what a search has named may be off, found as it is without the rest
 
 
 def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
@@ -37,7 +38,7 @@ def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
     return {name: np.stack(each, axis=1) for name, each in found.items() if each}
 
 
-def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
+def nuisance_torques(setting: Setting, fitted: Fitted, shapes: bool = True) -> Between | None:
     """(N, D, m) [N·m] per standard deviation of what is fitted beside the bands: how the device sits, zeros of the
     feet's sensors, shapes of what a search has named. What the samples tell next to nothing of is left to the doubt.
 
@@ -47,7 +48,7 @@ def nuisance_torques(setting: Setting, fitted: Fitted) -> Between | None:
     """
     least_told, samples = 0.01, 1000  # of what is declared of a direction; at most, as all of this is smooth
     few = BandInputs(setting, fitted, samples)
-    found = [*few.beside_lengths(), *few.zeros_of_feet(), *few.shapes()]
+    found = [*few.beside_lengths(), *few.zeros_of_feet(), *(few.shapes() if shapes else ())]
     if not found:
         return None
     V = np.stack(found, axis=2, dtype=np.float32)
@@ -117,19 +118,19 @@ class BandInputs:
         yield from self._of_logs(in_common, np.sqrt(DECLARED.alike))
 
     def shapes(self) -> Iterator[Array]:
-        """(n, D) [N·m] of each shape of what a search has named, by a quarter of its range: it was found without what
-        else is fitted beside the bands, which the logs tell from it."""
-        some, small, wear = 0.25, 1e-3, self._wear
+        """(n, D) [N·m] of each shape of what a search has named."""
+        small, wear = 1e-3, self._wear
         before = residual(self._logs, self._wires, wear) if wear.added else np.zeros(0)
         for number, each in enumerate(wear.added):
-            for place, shape in enumerate(each.effect.shapes):
-                share, now = shape.share(each.shape[place]), list(each.shape)
+            for place in each.searched:
+                shape, now = each.effect.shapes[place], list(each.shape)
+                share = shape.share(now[place])
                 step = small if share + small <= 1.0 else -small
                 now[place] = shape.at(share + step)
                 added = list(wear.added)
                 added[number] = replace(each, shape=tuple(now))
                 moved = replace(wear, added=tuple(added))
-                yield (some / step) * (before - residual(self._logs, self._wires, moved))[self._chosen]
+                yield (SHAPE_DOUBT / step) * (before - residual(self._logs, self._wires, moved))[self._chosen]
 
     def _of_logs(self, logs: Mapping[int, WearLog], share: float) -> Iterator[Array]:
         """(n, D) of each zero that these logs have in common. share: of a log's own."""

@@ -23,7 +23,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_nuisances import Between, Nuisances
-from exogauge.support.band_rows import WearLogs, Wire, stretches, stretches_and_taut
+from exogauge.support.band_rows import WearLogs, Wire, stretches, taut
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -57,6 +57,21 @@ class Added:
     @property
     def key(self) -> tuple[str, int]:
         return self.effect.name, self.wire
+
+    @property
+    def searched(self) -> tuple[int, ...]:
+        """Places of the shapes of which every value between their bounds is another law."""
+        linear = {each.name for each in self.effect.coefficients}
+        return tuple(k for k, one in enumerate(self.effect.shapes) if not one.of_two and one.name not in linear)
+
+    def linear_about_itself(self) -> Added:
+        """With the values about which the law is taken as linear at what the coefficients are."""
+        found = {each.name: value for each, value in zip(self.effect.coefficients, self.coefficients, strict=True)}
+        shape = (
+            float(np.clip(found[one.name], one.low, one.high)) if one.name in found else value
+            for one, value in zip(self.effect.shapes, self.shape, strict=True)
+        )
+        return replace(self, shape=tuple(shape))
 
 
 @final
@@ -213,13 +228,15 @@ def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
 @dataclass(frozen=True)
 class Fitted:
     """e: (N, D) [N·m] what the wear and what is beside it leave unexplained. A: (N, D, P) the wear's columns. hessian:
-    (P, P) with beliefs, `Nuisances` integrated out. cost: weighted square sum with what is paid for leaving beliefs."""
+    (P, P) with beliefs, `Nuisances` integrated out. cost: weighted square sum with what is paid for leaving beliefs.
+    told: what a fit from here begins with."""
 
     wear: Wear
     e: Array
     A: Array
     hessian: Array
     cost: float
+    told: Told | None = None
 
     @property
     def null_directions(self) -> Array:
@@ -240,70 +257,130 @@ class Reached:
     cost: float
 
 
-def fit(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -> Fitted:
-    """From `wear` downhill. held: place in theta -> value at which it is kept."""
-    return _with_slopes(setting, lowest(setting, wear, held))
+@final
+class Told:
+    """What the model says of samples with one choice of the values, however these count: fits of the same samples by
+    other weights begin with it."""
+
+    def __init__(self, logs: WearLogs, wires: tuple[Wire, ...], wear: Wear) -> None:
+        self.logs, self.wires, self.wear = logs, wires, wear
+        own_wires, whole = wires[: len(wear.k)], tensions(wires, wear)
+        self._stretched = stretches(own_wires, wear.l_0)
+        self._pulling = {place: [each > 0.0 for each in own] for place, own in whole.items()}
+        self._own = dict[int, Array]()  # columns of an effect by its number
+        e = logs.torque.copy()
+        for wire, stretch, k in zip(own_wires, self._stretched.T, wear.k, strict=True):
+            e += wire.jacobian * (k * stretch)[:, None]
+        for place, tension in whole.items():
+            e -= wires[place].beyond_spring(tension, *wear.spring(place))
+        for number, each in enumerate(wear.effects):
+            if each.effect.per_segment or each.wire not in whole:
+                own = wires[each.wire].columns(each.effect, each.shape, *wear.spring(each.wire))
+                e -= own @ each.coefficients
+                self._own[number] = own
+        self.e = np.asarray(e)
+        """(N, D) [N·m] what is left of the torque"""
+
+    @cached_property
+    def columns(self) -> Array:
+        """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts."""
+        wear, W, layout = self.wear, len(self.wear.k), self.wear.layout
+        springs, own_wires = np.zeros((*self.logs.torque.shape, len(wear.springs))), self.wires[: len(wear.k)]
+        pulling_at_all = taut(own_wires, wear.l_0)
+        for b, wire in enumerate(own_wires):
+            springs[:, :, layout.stiffness[b]] -= wire.jacobian * self._stretched[:, b, None]
+            springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, b, None])
+        more = []
+        for number, each in enumerate(wear.effects):
+            (k, l_0), wire, pulls = wear.spring(each.wire), self.wires[each.wire], self._pulling.get(each.wire)
+            near = [(k + NEAR * k, l_0), (k, l_0 + NEAR * l_0)] if each.wire < W else []
+            known = [self._own[number]] if number in self._own else []
+            asked = near if known else [(k, l_0), *near]
+            own, *changed = known + wire.columns_about(each.effect, each.shape, asked, pulls)
+            if changed:
+                stiffer, longer = changed
+                springs[:, :, layout.stiffness[each.wire]] += (stiffer - own) @ each.coefficients / (NEAR * k)
+                springs[:, :, layout.natural_length[each.wire]] += (longer - own) @ each.coefficients / (NEAR * l_0)
+            if number < len(wear.added):
+                more.append(own)
+        return np.concatenate([springs, *more], axis=2)
 
 
-def lowest(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None, small: float = SMALL) -> Reached:
+Begin = Wear | Fitted | Told
+
+
+def told(setting: Setting, begin: Begin) -> Told:
+    """Anew, unless what is told already is of these samples and wires."""
+    known = begin.told if isinstance(begin, Fitted) else begin
+    if isinstance(known, Told) and known.logs is setting.logs and known.wires == setting.wires:
+        return known
+    return Told(setting.logs, setting.wires, begin if isinstance(begin, Wear) else begin.wear)
+
+
+def fit(setting: Setting, begin: Begin, held: Mapping[int, float] | None = None) -> Fitted:
+    """From there downhill. held: place in theta -> value at which it is kept."""
+    return _with_slopes(setting, *_downhill(setting, begin, held or {}, SMALL))
+
+
+def lowest(setting: Setting, begin: Begin, held: Mapping[int, float] | None = None, small: float = SMALL) -> Reached:
     """Where `fit` ends, without the slopes there. small: share of the cost that is not worth another step."""
-    held = held or {}
-    theta = wear.theta.copy()
+    return _downhill(setting, begin, held or {}, small)[0]
+
+
+def _downhill(setting: Setting, begin: Begin, held: Mapping[int, float], small: float) -> tuple[Reached, Told]:
+    begin = told(setting, begin)
+    wear, theta = begin.wear, begin.wear.theta.copy()
     for place, value in held.items():
         theta[place] = value
     low, high = _bounds(wear)
     free = np.array([p for p in range(len(theta)) if p not in held], dtype=np.intp)
-    now = _reached(setting, wear.at(theta))
+    as_held = np.array_equal(theta, wear.theta)
+    now, seen = _reached(setting, begin if as_held else told(setting, wear.at(theta)))
     for _ in range(STEPS):
-        here, was = _with_slopes(setting, now), now.wear.theta
+        here, was = _with_slopes(setting, now, seen), now.wear.theta
         g = (setting.weight * here.e).ravel() @ here.A.reshape(-1, len(was)) - _pulled(setting.belief, was)
         step = _steps(here.hessian, g, free, low - was, high - was)
         if g @ step(DAMPINGS[0]) <= small * max(now.cost, SMALL):  # what is to be gained
             break
         for damping in DAMPINGS:
-            tried = _reached(setting, wear.at(np.clip(was + step(damping), low, high)))
+            tried, seen_there = _reached(setting, told(setting, now.wear.at(np.clip(was + step(damping), low, high))))
             if tried.cost <= now.cost:
                 break
         else:
             break
-        gained, now = now.cost - tried.cost, tried
+        gained, now, seen = now.cost - tried.cost, tried, seen_there
         if gained <= small * max(now.cost, SMALL):
             break
-    return now
+    return now, seen
 
 
-def at(setting: Setting, wear: Wear) -> Fitted:
+def at(setting: Setting, there: Begin) -> Fitted:
     """Everything about one choice of the values."""
-    return _with_slopes(setting, _reached(setting, wear))
+    return _with_slopes(setting, *_reached(setting, told(setting, there)))
 
 
-def _reached(setting: Setting, wear: Wear) -> Reached:
-    off = wear.springs - setting.belief.mean
-    left, paid = setting.nuisances.beside(residual(setting.logs, setting.wires, wear))
+def _reached(setting: Setting, seen: Told) -> tuple[Reached, Told]:
+    off = seen.wear.springs - setting.belief.mean
+    left, paid = setting.nuisances.beside(seen.e)
     squares = np.sum(setting.weight * left**2) + off @ setting.belief.precision @ off
-    return Reached(wear, left, float(squares + paid))
+    return Reached(seen.wear, left, float(squares + paid)), seen
 
 
-def _with_slopes(setting: Setting, reached: Reached) -> Fitted:
-    A = columns(setting.logs, setting.wires, reached.wear)
+def _with_slopes(setting: Setting, reached: Reached, seen: Told) -> Fitted:
+    A = seen.columns
     hessian, S = setting.nuisances.information(A), len(reached.wear.springs)
     hessian[:S, :S] += setting.belief.precision
-    return Fitted(reached.wear, reached.e, A, hessian, reached.cost)
+    return Fitted(reached.wear, reached.e, A, hessian, reached.cost, seen)
 
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     """(N, D) [N·m]"""
-    e, own = logs.torque.copy(), wires[: len(wear.k)]
-    for wire, stretch, k in zip(own, stretches(own, wear.l_0).T, wear.k, strict=True):
-        e += wire.jacobian * (k * stretch)[:, None]
-    whole = tensions(wires, wear)
-    for place, tension in whole.items():
-        e -= wires[place].beyond_spring(tension, *wear.spring(place))
-    for each in wear.effects:
-        if each.effect.per_segment or each.wire not in whole:
-            k, l_0 = wear.spring(each.wire)
-            e -= wires[each.wire].columns(each.effect, each.shape, k, l_0) @ each.coefficients
-    return np.asarray(e)
+    return Told(logs, tuple(wires), wear).e
+
+
+def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
+    """(N, D, P) slope of the model's torque with theta."""
+    return Told(logs, tuple(wires), wear).columns
 
 
 def tensions(wires: Sequence[Wire], wear: Wear) -> Mapping[int, list[Array]]:
@@ -325,29 +402,6 @@ def _laws(wear: Wear, place: int) -> list[tuple[BandEffect, tuple[float, ...], A
     """Of a declared band, those that pull alike all along it."""
     own = [each for each in wear.effects if each.wire == place and not each.effect.per_segment]
     return [(each.effect, each.shape, each.coefficients) for each in own]
-
-
-def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
-    """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts too."""
-    W, layout, own_wires = len(wear.k), wear.layout, wires[: len(wear.k)]
-    springs = np.zeros((*logs.torque.shape, len(wear.springs)))
-    stretched, pulling_at_all = stretches_and_taut(own_wires, wear.l_0)
-    for b, wire in enumerate(own_wires):
-        springs[:, :, layout.stiffness[b]] -= wire.jacobian * stretched[:, b, None]
-        springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, b, None])
-    more = []
-    pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
-    for number, each in enumerate(wear.effects):
-        (k, l_0), wire, pulls = wear.spring(each.wire), wires[each.wire], pulling.get(each.wire)
-        near = [(k + NEAR * k, l_0), (k, l_0 + NEAR * l_0)] if each.wire < W else []
-        own, *changed = wire.columns_about(each.effect, each.shape, [(k, l_0), *near], pulls)
-        if changed:
-            stiffer, longer = changed
-            springs[:, :, layout.stiffness[each.wire]] += (stiffer - own) @ each.coefficients / (NEAR * k)
-            springs[:, :, layout.natural_length[each.wire]] += (longer - own) @ each.coefficients / (NEAR * l_0)
-        if number < len(wear.added):
-            more.append(own)
-    return np.concatenate([springs, *more], axis=2)
 
 
 def _pulled(belief: Belief, theta: Array) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exogauge.devices.result import Approach
 from exogauge.devices.routing import Routing
-from exogauge.effects.band import BandEffect, BandSignals
+from exogauge.effects.band import BandEffect, BandSignals, way_of_a_sample
 from exogauge.logs.filtering import LowPass
 from exogauge.robots.tree import IntArray
 from exogauge.support.evidence import Evidence, Nothing, on_joints
@@ -301,6 +301,16 @@ class Run:
         self.rate = np.gradient(length, log.time) if len(log.time) > 1 else np.zeros_like(length)
 
     @cached_property
+    def clock(self) -> Array:
+        """(T,) [s] with all logs laid end to end."""
+        return self.log.time + self.start
+
+    @cached_property
+    def way(self) -> Array:
+        """(T,) [m] that the length goes within one sample."""
+        return way_of_a_sample(self.log.time, self.rate)
+
+    @cached_property
     def segments(self) -> tuple[Array, Array] | None:
         """(T, S) lengths, (T, S-1) wrap angles; None for what is no wire."""
         course = self._course
@@ -331,13 +341,12 @@ def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
 
 def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) [m] beyond l_0 (W,), low-passed as the torque: the low-pass rounds the corner where a band comes taut."""
-    return _as_torque(wires, (_stretch,), l_0)
+    return _as_torque(wires, _stretch, l_0)
 
 
-def stretches_and_taut(wires: Sequence[Wire], l_0: Array) -> tuple[Array, Array]:
-    """(N, W) each: `stretches`, and the share of the moment that bands are taut: minus their slope with l_0."""
-    both = _as_torque(wires, (_stretch, _taut), l_0)
-    return both[:, : len(wires)], both[:, len(wires) :]
+def taut(wires: Sequence[Wire], l_0: Array) -> Array:
+    """(N, W) share of the moment that bands are taut, low-passed likewise: minus the slope of `stretches` with l_0."""
+    return _as_torque(wires, _taut, l_0)
 
 
 def _stretch(length: Array, rest: float) -> Array:
@@ -348,15 +357,14 @@ def _taut(length: Array, rest: float) -> Array:
     return (length > rest).astype(np.float64)
 
 
-def _as_torque(wires: Sequence[Wire], pulls: Sequence[Callable[[Array, float], Array]], l_0: Array) -> Array:
-    """(N, pulls x W) of all wires of a log side by side, which costs little more than one; of all logs where none is
+def _as_torque(wires: Sequence[Wire], pull: Callable[[Array, float], Array], l_0: Array) -> Array:
+    """(N, W) of all wires of a log side by side, which costs little more than one; of all logs where none is
     filtered."""
     if wires and all(run.log.low_pass is None for run in wires[0].runs):
-        own = [pull(wire.length, rest) for pull in pulls for wire, rest in zip(wires, l_0, strict=True)]
-        return np.stack(own, axis=1)
+        return np.stack([pull(wire.length, rest) for wire, rest in zip(wires, l_0, strict=True)], axis=1)
     found = []
     for runs in zip(*(wire.runs for wire in wires), strict=True):
-        own = [pull(run.length, rest) for pull in pulls for run, rest in zip(runs, l_0, strict=True)]
+        own = [pull(run.length, rest) for run, rest in zip(runs, l_0, strict=True)]
         found.append(runs[0].log.as_torque(np.stack(own, axis=1)))
     return np.concatenate(found) if found else np.zeros((0, 0))
 
@@ -379,7 +387,7 @@ class Wire:
         segments = run.segments if per_segment else None
         return BandSignals(
             time=run.log.time,
-            clock=run.log.time + run.start,
+            clock=run.clock,
             start=run.start,
             span=self.span,
             length=run.length,
@@ -389,6 +397,7 @@ class Wire:
             natural_length=l_0,
             shortest=self.shortest,
             travel=self.travel,
+            way=run.way,
             segment_length=None if segments is None else segments[0],
             wrap=None if segments is None else segments[1],
         )
@@ -449,9 +458,11 @@ class Wire:
             signals = {spring: self.signals(run, *spring, effect.per_segment) for spring in springs}
             added = [effect.added_tension(signals[k, l_0], shape) for shape, k, l_0 in asked]
             if pulls is not None and not effect.per_segment:
-                added = [each * pulls[number][:, None] for each in added]
+                added = [one * pulls[number][:, None] for one in added]
             pull = run.log.as_torque(np.concatenate(added, axis=-1))
-            for part, own in zip(parts, np.split(pull, len(asked), axis=-1), strict=True):
+            each = pull.shape[-1] // len(asked)
+            for place, part in enumerate(parts):
+                own = pull[..., place * each : (place + 1) * each]
                 if effect.per_segment:
                     part.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, np.ascontiguousarray(own)))
                 else:

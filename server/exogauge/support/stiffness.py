@@ -20,14 +20,14 @@ from exogauge.criteria.criterion import Z95
 from exogauge.criteria.supporting import Supporting
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
+from exogauge.devices.result import Approach, BandEstimate, Estimate, NamedLaw, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import LINEAR
 from exogauge.identification.model import RobotModel
-from exogauge.identification.type_b import ROBOT
+from exogauge.identification.type_b import ROBOT, UNEXPLAINED
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions, inverted
-from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
+from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved, without_shapes
 from exogauge.support.band_inputs import DONNING, VIA_POINTS
 from exogauge.support.band_interval import Profiles
 from exogauge.support.band_model import (
@@ -37,11 +37,13 @@ from exogauge.support.band_model import (
     Layout,
     at_bounds,
     fit,
+    thinned,
 )
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
 from exogauge.support.cross_checks import within
 from exogauge.support.evidence import Evidence, Nothing
+from exogauge.support.named_laws import numbers, sharpness
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -169,6 +171,8 @@ def fit_springs(
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
     shares = contributions(seen.setting, seen.fitted, of_robot, seen.null)
+    if seen.beyond is not None:
+        shares |= {UNEXPLAINED: np.outer(seen.beyond, seen.beyond)}
     return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind | undecided(plan, shares)))
 
 
@@ -205,7 +209,21 @@ def identify_bands(
         cross_checks=()
         if approach == "prior"
         else within(seen, device.bands, springs.of_robot, criteria, sigma, springs.stated),
+        named=_named(springs),
     )
+
+
+def _named(springs: Springs) -> tuple[NamedLaw, ...]:
+    """What is fitted beside the springs."""
+    seen, found = springs.seen, list[NamedLaw]()
+    wear, std = seen.fitted.wear, np.sqrt(np.diag(springs.doubt))
+    at, alone = len(wear.springs), without_shapes(seen.setting, seen.fitted) if wear.added else seen.setting
+    for number, added in enumerate(wear.added):
+        wire, own = seen.setting.wires[added.wire], std[at : at + len(added.coefficients)]
+        told = numbers(added, wire, own, sharpness(thinned(alone), wear, number))
+        found.append(NamedLaw(added.effect.name, wire.course.name, told))
+        at += len(added.coefficients)
+    return tuple(found)
 
 
 def _stated_laws(device: Device) -> list[Remark]:

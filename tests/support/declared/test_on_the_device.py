@@ -15,7 +15,7 @@ from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, fit_device, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, stretches_and_taut
+from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, taut
 from exogauge.support.inputs import Doubts, Inputs, sloped_samples, variance_of_mean
 from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
@@ -141,8 +141,8 @@ def test_what_is_fitted_beside_the_bands_moves_the_torque_as_via_points_and_leng
     setting, fitted = problem(biped, bands, worn)
     added, rng, squares = nuisance_torques(setting, fitted), np.random.default_rng(0), []
     k, l_0 = zip(*(fitted.wear.spring(b) for b in range(2)), strict=True)
-    _, taut = stretches_and_taut(setting.wires, l_0)
-    of_lengths = [wire.jacobian * (k[b] * taut[:, [b]]) for b, wire in enumerate(setting.wires)]
+    pulling = taut(setting.wires, l_0)
+    of_lengths = [wire.jacobian * (k[b] * pulling[:, [b]]) for b, wire in enumerate(setting.wires)]
 
     def torques(moved):
         wires = band_wires(setting.logs, Routing(biped.robot.tree, moved))

@@ -104,7 +104,7 @@ def whitened(ground: Ground) -> tuple[Setting, Fitted]:
     of its own, which must not count against it."""
     weight, independent = weights(ground.setting.logs, ground.sigma, np.ones_like(ground.memory))
     setting = replace(ground.setting, weight=weight, independent=independent)
-    return setting, fit(setting, ground.fitted.wear)
+    return setting, fit(setting, ground.fitted)
 
 
 def weighed(ground: Ground, fitted: Fitted) -> Ground:
@@ -113,7 +113,7 @@ def weighed(ground: Ground, fitted: Fitted) -> Ground:
     sigma, memory = spread(logs, fitted.e, ground.floor), memories(logs, fitted.e)
     weight, independent = weights(logs, sigma, memory)
     setting = replace(ground.setting, weight=weight, independent=independent)
-    return replace(ground, setting=setting, fitted=fit(setting, fitted.wear), sigma=sigma, memory=memory)
+    return replace(ground, setting=setting, fitted=fit(setting, fitted), sigma=sigma, memory=memory)
 
 
 def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> Array:

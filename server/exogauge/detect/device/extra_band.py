@@ -97,7 +97,7 @@ def _few(ground: Ground, scorer: Scorer) -> Scorer:
     wires = tuple(logs.wire(wire.course) for wire in ground.setting.wires)
     weight, independent = weights(logs, ground.sigma, np.ones_like(ground.memory))
     setting = replace(ground.setting, logs=logs, wires=wires, weight=weight, independent=independent)
-    return Scorer(setting, fit(setting, scorer.fitted.wear))
+    return Scorer(setting, fit(setting, scorer.fitted))
 
 
 def _best(

@@ -6,8 +6,7 @@ The plot that shows an effect of a band: torque that the wear's model lacks, ove
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +15,15 @@ from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
 from exogauge.detect.device.nominal import Contradicted
 from exogauge.detect.device.score import Scorer
-from exogauge.devices.result import Estimate
+from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
 from exogauge.findings.basis import Moment, OfBand
 from exogauge.findings.binned import binned
-from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.findings.result import Alternative, Discrepancy, Evidence, Finding, HeldOut, Place
 from exogauge.findings.verdict import Objection, Why
-from exogauge.support.band_model import Reached, Setting, Wear, lowest
 from exogauge.support.band_rows import Wire
+from exogauge.support.named_laws import numbers, sharpness
 
 Array = NDArray[np.float64]
 
@@ -101,72 +100,37 @@ def held(ground: Ground, joint: int, before: Array, after: Array) -> HeldOut:
 
 
 def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
-    """Coefficients and shapes in SI units."""
-    effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
+    """Coefficients and shapes in SI units, as doubtful as the search leaves them."""
+    effect, wear = winner.added.effect, winner.fitted.wear
     setting = weighed(ground, winner.fitted).setting if effect.shapes else ground.setting
-    sharp = [_sharpness(setting, winner.fitted.wear, place) for place in range(len(effect.shapes))]
+    sharp = sharpness(setting, wear, len(wear.added) - 1)
     stds = np.sqrt(winner.std**2 + sum((each.moves**2 for each in sharp), np.zeros_like(winner.std)))
-    found: dict[str, Estimate] = {}
-    for quantity, value, std in zip(effect.coefficients, winner.added.coefficients, stds, strict=True):
-        angular = wire.course.routing is None and quantity.unit == "N/m"
-        found[quantity.name] = Estimate(float(value), float(std), "N·m/rad" if angular else quantity.unit)
-    for one, value, own in zip(effect.shapes, winner.added.shape, sharp, strict=True):
-        size, offset, name, unit = _in_si(one.name, one.unit, wire)
-        if name and name not in found:
-            found[name] = Estimate(offset + size * value, abs(size) * own.std, unit)
-    return found
+    return numbers(winner.added, ground.setting.wires[winner.added.wire], stds, sharp)
 
 
-def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
-    """size, offset, name, unit in which a shape is told; name "" where it says nothing that a coefficient does not."""
-    told = {
-        "moment": (wire.span, 0.0, "moment", "s"),
-        "lasting": (0.0, 0.0, "", ""),
-        "within": (0.0, 0.0, "", ""),
-        "slack": (wire.travel, wire.shortest, "natural_length", "m" if wire.course.routing is not None else "rad"),
-    }
-    return told.get(name, (1.0, 0.0, name, unit))
+def with_numbers_beside(found: Discrepancy, stiffness: Sequence[StiffnessResult]) -> Discrepancy:
+    """Findings of bands with the numbers that go with the springs in `stiffness`: by A where there is one, as these
+    are told and taken over."""
+    chosen = {each.device: each for each in stiffness if each.approach in ("A", "B")}
+    chosen |= {each.device: each for each in stiffness if each.approach == "A"}
+    findings = [_beside(each, list(chosen.values())) for each in found.findings]
+    return replace(found, findings=tuple(findings))
 
 
-@final
-@dataclass(frozen=True)
-class Sharpness:
-    """std: of a shape. moves: (C,) by how much that moves the coefficients, which go with it."""
-
-    std: float
-    moves: Array
-
-
-def _sharpness(setting: Setting, wear: Wear, place: int) -> Sharpness:
-    """How far a shape of what was added last must be moved for the cost to rise by one independent error, from both
-    sides together, everything else fitted to it; inf where it does not rise within the shape's range."""
-    most_steps = 12
-    step = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
-    added = wear.added[-1]
-    one = added.effect.shapes[place]
-    if one.of_two:
-        return Sharpness(float("inf"), np.zeros(len(added.coefficients)))
-    here = one.share(added.shape[place])
-
-    def moved(share: float) -> Reached:
-        shape = (*added.shape[:place], one.at(share), *added.shape[place + 1 :])
-        return lowest(setting, replace(wear, added=(*wear.added[:-1], replace(added, shape=shape))))
-
-    least = moved(here).cost
-    for _ in range(most_steps):
-        low, high = moved(max(here - step, 0.0)), moved(min(here + step, 1.0))
-        risen = 0.5 * (low.cost + high.cost) - least
-        if risen > 4.0:  # it is moved less, or further, until the cost rises by something between 4 and 0.5
-            step *= 0.5
-        elif risen < 0.5 and step < 1.0:
-            step *= 2.0
-        else:
-            break
-    ends = [each.wear.added[-1] for each in (low, high)]
-    way, moves = (0.5 * np.abs(np.subtract(*pair)) for pair in (
-        [each.shape[place] for each in ends], [each.coefficients for each in ends]))  # fmt: skip
-    known = float(np.sqrt(risen)) if risen > 0.0 else 0.0
-    return Sharpness(float(way / known), moves / known) if known else Sharpness(float("inf"), moves)
+def _beside(finding: Finding, stiffness: Sequence[StiffnessResult]) -> Finding:
+    basis = finding.basis
+    if not isinstance(basis, OfBand):
+        return finding
+    numbers = dict(finding.parameters)
+    for result in (each for each in stiffness if basis.device in ("", each.device)):
+        for named in result.named:
+            if (named.effect, named.place) == (finding.effect, finding.place.name):
+                numbers |= named.numbers
+        for band in (each for each in result.bands if each.with_effects and each.band == finding.place.name):
+            springs = {"stiffness": band.stiffness, "natural_length": band.natural_length}
+            contradicted = {f"stated_{name}" for name in springs} & numbers.keys()
+            numbers |= {name: springs[name] for name in springs if f"stated_{name}" in contradicted}
+    return replace(finding, parameters=numbers)
 
 
 def _moment(ground: Ground, winner: BandJudgement) -> Moment:

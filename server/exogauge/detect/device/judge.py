@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import final
 
 import numpy as np
@@ -22,7 +23,7 @@ from exogauge.effects.shaped import Shape
 from exogauge.findings.basis import LeftOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.search.sums import summed, sureness
-from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, lowest, residual
+from exogauge.support.band_model import Added, Begin, Fitted, Setting, fit, lowest, residual, told
 from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
@@ -107,13 +108,13 @@ def folds_of(logs: WearLogs, criteria: Wearing) -> Folds:
     return Folds(tuple(number[logs.log] == k for k in range(number.max() + 1)), what)
 
 
-def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
+def left_out_residual(setting: Setting, begin: Begin, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
     """(N, D) [N·m] each sample by a fit that did not see it, less its log's offset; NaN where it does not count or is
     never left out."""
-    e = np.full(setting.weight.shape, np.nan)
+    e, begin = np.full(setting.weight.shape, np.nan), told(setting, begin)
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
-        own = lowest(replace(setting, weight=weight), wear, held).wear
+        own = lowest(replace(setting, weight=weight), begin, held).wear
         left = setting.nuisances.without(residual(setting.logs, setting.wires, own))
         e[left_out] = left[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
@@ -124,10 +125,10 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
     without, members = ground.fitted.wear, scored.members
     after_all = weighed(ground, fit(ground.setting, without.with_added(*members)))
     setting, fitted = after_all.setting, after_all.fitted
-    base = fit(setting, without)
+    base = fit(setting, ground.fitted)
     gain = base.cost - fitted.cost
     effect, width = scored.added.effect, len(members) * len(scored.added.coefficients)
-    left_out = [left_out_residual(setting, wear, folds) for wear in (base.wear, fitted.wear)]
+    left_out = [left_out_residual(setting, each, folds) for each in (base, fitted)]
     used = setting.weight > 0.0
     seen = [np.where(used, each.e, np.nan) for each in (base, fitted)]
     acts = ground.model.criteria.device.acts
@@ -256,9 +257,12 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
             shape[k] = shapes[k].at(float(share))
         return tuple(shape)
 
-    def cost(shares: Array) -> float:
-        shape = tried(shares)
+    @cache
+    def cost_of(shape: tuple[float, ...]) -> float:
         return lowest(setting, without.with_added(*(replace(each, shape=shape) for each in winner.members))).cost
+
+    def cost(shares: Array) -> float:
+        return cost_of(tried(shares))
 
     start = np.array([shapes[k].share(added.shape[k]) for k in free])
     steps = np.array([_first_step(shapes[k], criteria) for k in free]) * np.where(start < 0.9, 1.0, -1.0)

@@ -58,7 +58,7 @@ def chain(
     floor = float(np.sqrt(np.mean(ground.floor[joints] ** 2)))
     links = []
     for k, wear in enumerate(wears):
-        e = left_out_residual(ground.setting, fit(ground.setting, wear).wear, folds)
+        e = left_out_residual(ground.setting, fit(ground.setting, wear), folds)
         each = np.array([rmse(e, joint) for joint in joints])
         worst = joints[int(np.argmax(each / np.maximum(ground.floor[joints], 1e-12)))]
         step = ChainStep("effect", findings[k - 1].effect, findings[k - 1].place) if k else ChainStep("bands")

@@ -100,9 +100,9 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     known = believed(bands, wear, travel, free)
     if not (surely or _unlike(known, let_go.wear.theta, doubtful, place, ground.model.criteria)):
         return None
-    as_stated = lowest(setting, let_go.wear, held={place: stated})
+    as_stated = lowest(setting, let_go, held={place: stated})
     before = left_out_residual(setting, as_stated.wear, folds, held={place: stated})
-    after = left_out_residual(setting, let_go.wear, folds)
+    after = left_out_residual(setting, let_go, folds)
     gained = (before**2 - after**2) / ground.sigma**2
     counts = np.isfinite(before).any(axis=1)
     z = sureness(summed(np.nansum(gained, axis=1)[counts], setting.logs.block[counts]))

@@ -27,7 +27,7 @@ def of_their_laws(laws: Laws, folds: Folds) -> Laws:
     first, ground, findings = laws.first, laws.ground, laws.findings
     if not findings:
         return laws
-    was, now = (left_out_residual(each.setting, each.fitted.wear, folds) for each in (first, ground))
+    was, now = (left_out_residual(each.setting, each.fitted, folds) for each in (first, ground))
     kept, refuted, last = list[int](), list[Alternative](), laws.wears[-1]
     for number, (finding, added) in enumerate(zip(findings, last.added, strict=True)):
         joint = ground.joints.index(finding.held_out.channel.removeprefix(CHANNEL))

@@ -109,7 +109,7 @@ class Scorer:
             for place, one in enumerate(effect.shapes):
                 before, behind = best.added.shape[:place], best.added.shape[place + 1 :]
                 values = _around(one, best.added.shape[place], float(reach[place]))
-                shapes = [(*before, value, *behind) for value in values]
+                shapes = [(*before, value, *behind) for value in values if value != best.added.shape[place]]
                 tried = self._scores(effect, (best.added.wire, *best.also), shapes)
                 best = max([best, *tried], key=lambda each: each.evidence)
             reach = [each / 9 for each in reach]

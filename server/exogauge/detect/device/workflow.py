@@ -105,7 +105,7 @@ def search_wear(
     laws = of_their_laws(find_laws(ground, effects, folds, named, of), folds)
     ground, wears = laws.ground, laws.wears
     numbers, doubtful, ended = _wrong_numbers(laws, effects, folds, named, of)
-    left_out = left_out_residual(ground.setting, ground.fitted.wear, folds)
+    left_out = left_out_residual(ground.setting, ground.fitted, folds)
     above = unexplained(ground, left_out)
     declared = within_declared(ground, left_out, above, CHANNEL)
     return WearFindings(

@@ -72,6 +72,9 @@ class Bundle:
         found = self.root / pure
         if not found.resolve().is_relative_to(self.root):
             raise refuse("a link leads out of the study's folder", "path_escapes", "Copy the file into the folder.")
+        if found.is_dir():
+            advice = f"Name a file in it. {suggestion(name, self._names(pure))}".strip()
+            raise refuse("is a folder", "a_folder", advice)
         if not found.is_file():
             raise refuse("no such file", "missing_file", suggestion(name, self._names()))
         if name not in self._inputs:
@@ -88,8 +91,8 @@ class Bundle:
             raise TooLarge(Fault(f"the file is larger than {limit} bytes", "file_too_large", "", name))
         return path.read_bytes()
 
-    def _names(self) -> list[str]:
-        found = (path for path in self.root.rglob("*") if path.is_file())
+    def _names(self, within: str | PurePosixPath = "") -> list[str]:
+        found = (path for path in (self.root / within).rglob("*") if path.is_file())
         return sorted(str(path.relative_to(self.root).as_posix()) for path, _ in zip(found, range(500), strict=False))
 
 

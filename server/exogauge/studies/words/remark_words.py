@@ -124,6 +124,11 @@ FORMS: Mapping[About, Form] = {
         "that robot.yaml describes?",
         each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
     ),
+    About.LEFT_WITHOUT_SEARCH: Form(
+        "Held-out logs leave more than noise: {names}. All that is fitted beside it counts as that much more doubtful. "
+        "Nothing has looked for why: the step `discrepancy` does.",
+        each="{name} ({0:.2g} of its noise)",
+    ),
     About.NOT_CONVERGED: Form(
         "The search among possible bodies stopped after {0:.0f} steps, {1:.2g} squared standard deviations above the "
         "minimum at most; {2:.2g} was asked for."

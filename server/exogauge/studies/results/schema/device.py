@@ -177,7 +177,8 @@ class BandShare(Part):
     """What one source alone does to a band. Squares of all add up to the square of the standard deviation."""
 
     source: str = Field(
-        description="`scatter`, `robot`, `null_test`, or what robot.yaml and device.yaml declare under `uncertainty`"
+        description="`scatter`, `robot`, `null_test`, `unexplained` beside what was named, or what robot.yaml and "
+        "device.yaml declare under `uncertainty`"
     )
     words: str = Field(description="the same in words")
     stiffness_std: Number = Field(description="[N/m]")
