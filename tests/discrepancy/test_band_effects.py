@@ -347,7 +347,7 @@ HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness",
 COSTLY = {"band_via_friction", "band_relaxation"}
 TURNS = [
     pytest.param(effect, band, marks=[pytest.mark.thorough] if effect in COSTLY else [])
-    for effect, band in zip(HIDDEN, ["right", *["left"] * 6], strict=True)  # what others look at, too, is on the left
+    for effect, band in zip(HIDDEN, ["right", *["left"] * 7], strict=True)  # what others look at, too, is on the left
 ]
 
 
