@@ -111,6 +111,7 @@ def test_the_rule_sees_a_warning_and_lets_an_error_speak() -> None:
     assert not list(sentences(ast.parse(raises)))
 
 
+@pytest.mark.slow
 def test_nothing_reads_our_own_sentences() -> None:
     found = []
     for path in sorted(SOURCE.rglob("*.py")):

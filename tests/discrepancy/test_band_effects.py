@@ -186,6 +186,17 @@ def rubbing(t, segments, wrap, l_0, mu=0.25):
     return spring(t, length, l_0)[:, None] * ratio * length[:, None] / np.sum(ratio * segments, axis=1, keepdims=True)
 
 
+def threads(t, length, l_0):
+    """Threads that rub on each other: each of four gives way after another way, as a share of the pull."""
+    leaning = np.zeros_like(length)
+    for way in (0.0005, 0.001, 0.002, 0.004):
+        bent = 0.0
+        for n in range(1, len(length)):
+            bent = min(max(bent + length[n] - length[n - 1], -way), way)
+            leaning[n] += 0.25 * bent / way
+    return spring(t, length, l_0) * (1.0 + 0.15 * leaning)
+
+
 def slipping(t, length, l_0, place):
     """Within a third of a second of the fifth log, and so from then on."""
     return spring(t, length, l_0 + 0.012 * np.clip((t - 9.0) / 0.3 + 1e3 * (place - 4), 0.0, 1.0))
@@ -214,6 +225,7 @@ PULLS = {
     "softer by a quarter": lambda t, length, l_0, _: spring(t, length, l_0, 0.75 * K),
     "band_length": lambda t, length, l_0, _: spring(t, length, l_0 + 0.022),
     "band_slip": slipping,
+    "band_hysteresis": lambda t, length, l_0, _: threads(t, length, l_0),
 }
 
 
@@ -331,11 +343,11 @@ def test_bands_as_described_are_left_alone(trunk, seed, approach):
 
 
 HIDDEN = ["band_viscous", "band_relaxation", "band_hardening", "band_stiffness", "band_length", "band_slip",
-          "band_via_friction"]  # fmt: skip
+          "band_via_friction", "band_hysteresis"]  # fmt: skip
 COSTLY = {"band_via_friction", "band_relaxation"}
 TURNS = [
     pytest.param(effect, band, marks=[pytest.mark.thorough] if effect in COSTLY else [])
-    for effect, band in zip(HIDDEN, ["right", *["left"] * 6], strict=True)  # what others look at, too, is on the left
+    for effect, band in zip(HIDDEN, ["right", *["left"] * 7], strict=True)  # what others look at, too, is on the left
 ]
 
 
@@ -465,6 +477,7 @@ def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trun
     assert named(search(trunk, ("right", "band_viscous"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
 
 
+@pytest.mark.slow
 def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
     seen = gathered(trunk, None, 1)
     sure = lay_ground(trunk.model, seen, trunk.device, [_linear(trunk)])

@@ -14,7 +14,7 @@ from exogauge.effects.catalogue import all_effects, band_effects, shaped_effects
 COORDINATES = {"stretch", "rate", "clock"}
 FITTED_ANYWAY = {"stiffness", "natural_length"}
 MOST_SHAPES = 300  # of one effect at one band
-DISSIPATIVE = ("band_viscous", "band_relaxation")
+DISSIPATIVE = ("band_viscous", "band_relaxation", "band_hysteresis")
 K, L_0 = 300.0, 0.6
 EFFECTS = dict(band_effects())
 

@@ -104,6 +104,7 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
+@pytest.mark.slow
 def test_a_broken_bound_is_told_with_its_size_and_by_how_much(robot: MotionRobot, bent) -> None:
     asked, planned = bent
     j = robot.joints.index("torso_pitch")
@@ -183,6 +184,7 @@ def test_frame_by_frame_a_fast_bend_tips_over_with_its_feet_where_they_are_asked
     assert slowly.q[:, at(robot, "torso_pitch")].max() == pytest.approx(0.5, abs=0.005)
 
 
+@pytest.mark.slow
 def test_frame_by_frame_keeps_joints_in_their_range_and_the_feet_in_place_as_long_as_others_can_yield(
     robot: MotionRobot,
 ) -> None:
@@ -199,7 +201,8 @@ def test_frame_by_frame_keeps_joints_in_their_range_and_the_feet_in_place_as_lon
 
 
 @pytest.mark.skipif(not (CAPTURES.is_dir() and JVRC.is_file()), reason="../shared/data/model_jvrc1 is not there")
-@pytest.mark.parametrize("planned_too", [False, pytest.param(True, marks=[pytest.mark.slow, pytest.mark.thorough])])
+@pytest.mark.slow
+@pytest.mark.parametrize("planned_too", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path, planned_too: bool) -> None:
     """JVRC-1, 62 kg, with a torso of three joints; its soles are not in its URDF and are guessed here."""
     shutil.copy(JVRC, tmp_path / "robot.urdf")

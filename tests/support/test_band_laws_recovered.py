@@ -55,6 +55,7 @@ VALUES = {
     "smooth_slack": {"transition": 0.006, "gradual": 0.8},
     "kelvin_voigt": {"damping": 40.0, "damping_power": 0.8},
     "maxwell": {"branch_stiffness": 80.0, "relaxation_time": 0.6, "slow_branch_stiffness": 40.0},
+    "hysteresis": {"hysteresis": 0.15, "thread_way": 0.002, "thread_n": 1.0},
     "via_friction": {"friction": 0.15, "way": 0.001, "n": 1.0},
 }
 
@@ -121,6 +122,11 @@ def tension(law, size, k, l_0, t, segments, along):
         for stiffness, tau in ((size["branch_stiffness"], fast), (size["slow_branch_stiffness"], slow)):
             held = lfilter([stiffness], [1.0, -(1.0 - STEP / tau)], np.diff(x, prepend=x[:1]))
             pull = pull + (x > 0) * held
+    if law == "hysteresis":
+        leaning = np.zeros_like(pull)
+        for n, step in enumerate(np.diff(length)):  # by small explicit steps
+            leaning[n + 1] = leaning[n] + (step - leaning[n] * abs(step)) / size["thread_way"]
+        pull = pull * (1.0 + size["hysteresis"] * leaning)
     pull = np.maximum(pull, 0.0)[:, None] * np.ones(segments.shape[1])
     return pull * _uneven(size, l_0, segments, along, x) if law == "via_friction" else pull
 
