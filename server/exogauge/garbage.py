@@ -10,10 +10,13 @@ from contextlib import contextmanager
 
 @contextmanager
 def left_while_loading() -> Iterator[None]:
-    """What was loaded within is never looked through after it either."""
+    """What was loaded within is never looked through after it either. What lies about before is looked for first, where
+    this is not the beginning: it would stay for good."""
     if not gc.isenabled():  # within itself
         yield
         return
+    if gc.get_freeze_count() > 0:
+        gc.collect()
     gc.disable()
     try:
         yield
