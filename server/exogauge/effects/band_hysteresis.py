@@ -1,4 +1,4 @@
-"""A band whose own stuff rubs: it pulls more while it is stretched than while it shortens, however fast."""
+"""A band whose threads rub on each other: it pulls more while it is stretched than while it shortens, however fast."""
 
 from __future__ import annotations
 

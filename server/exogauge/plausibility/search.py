@@ -203,7 +203,7 @@ class _State:
         """Of every joint that moves, what it gains with position and effort turned; not of those that by bodies as
         described are surely as they should be. A joint that bears little is in no doubt even so: other bodies make up
         for most of it, and friction does not tell, as both turn. but: joints that are left out."""
-        likely = 0.0 - self.criteria.decisive
+        likely = -self.criteria.decisive
         remedies = [reversals(j)[2] for j in self.axes() if len(self._coupled[j]) == 1 and j not in but]
         if not remedies:
             return {}
