@@ -11,7 +11,7 @@ import yaml
 
 from exogauge.cli import main
 from exogauge.errors import BadRobot
-from exogauge.studies.import_log.robot_draft import draft_robot
+from exogauge.studies.import_log.robot_draft import draft_robot, slips
 from exogauge.studies.intake.bundle import Bundle
 from exogauge.studies.intake.robot_file import read_robot
 
@@ -56,6 +56,12 @@ def test_what_the_urdf_cannot_say_is_asked_for_and_refused_until_it_is_there(tmp
     (tmp_path / "robot.yaml").write_text(text)
     with pytest.raises(BadRobot, match="k_T"):
         read_robot(Bundle(tmp_path, ""), "robot.yaml")
+
+
+def test_masses_that_stand_in_for_what_nobody_knew_are_told() -> None:
+    alike = re.sub(rb'<mass value="[^"]+"', b'<mass value="1.0"', PANDA.read_bytes())
+    assert any("weighs 1 kg" in each for each in slips(alike, PANDA.name))
+    assert not any("weighs" in each for each in slips(PANDA.read_bytes(), PANDA.name))
 
 
 def test_nothing_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

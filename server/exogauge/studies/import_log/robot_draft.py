@@ -20,6 +20,7 @@ from exogauge.robots.urdf_check import (
     idle_joints,
     impossible_density,
     limits_in_degrees,
+    masses_alike,
     raised_inertias,
     read_urdf,
 )
@@ -104,7 +105,7 @@ def slips(urdf: bytes, file: str) -> list[str]:
 
     tree = load_whole(urdf, file)
     usual = Examining()
-    remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, usual)]
+    remarks = [*raised_inertias(urdf, file), *impossible_density(urdf, file, usual), *masses_alike(urdf, file)]
     remarks += limits_in_degrees(urdf, file, usual)
     weightless = list[str]()
     try:
