@@ -38,11 +38,12 @@ class Callers:
     """Each as of a thread of its own: calls that have begun, and wait."""
 
     def __init__(self, reach: Reach) -> None:
-        self.reach, self.waiting = reach, ExitStack()
+        self.reach, self.waiting, self.let_in = reach, ExitStack(), 0
 
     def one_more(self) -> None:
         self.waiting.enter_context(self.reach.room("read the file"))
         self.reach._mine.has = False
+        self.let_in += 1
 
 
 @pytest.fixture
@@ -58,12 +59,14 @@ def test_of_a_store_that_answers_however_many_may_ask(callers: Callers, clock: C
         clock.now += SILENT_S / 2
         with callers.reach("read the file"):
             pass
+    assert callers.let_in == 3 * MOST_WAITING
 
 
 def test_a_burst_after_a_long_quiet_time_is_let_in(callers: Callers, clock: Clock) -> None:
     clock.now += 3600.0
     for _ in range(3 * MOST_WAITING):
         callers.one_more()
+    assert callers.let_in == 3 * MOST_WAITING
 
 
 def test_of_a_silent_store_so_many_wait_and_the_next_is_told_at_once(callers: Callers, clock: Clock) -> None:

@@ -134,17 +134,24 @@ def examine_against_robot(
         for name in [delay.log] if delay.log else [log.name for log in logs]:
             yield name, as_delayed(robot, delay)
     if not slips and not delays and not unlike and not dead and not moved:
-        unsure = unsure_signs(robot, expected)
-        for better in (True, False):
-            if alike := [joint for joint, its in unsure.items() if its is better]:
-                for log in logs:
-                    yield log.name, as_unsure_signs(robot, alike, better)
-        for zero in find_zeros(robot, expected) if expected else ():
+        for finding in _signs_and_zeros(robot, expected):
             for log in logs:
-                yield log.name, as_zero(robot, zero)
+                yield log.name, finding
     for name, finding in by_channel:
         if (name, finding.channel) not in told:
             yield name, finding
+
+
+def _signs_and_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:
+    """What is asked where nothing else was found."""
+    if not expected:
+        return
+    unsure = unsure_signs(robot, expected)
+    for better in (True, False):
+        if alike := [joint for joint, its in unsure.items() if its is better]:
+            yield as_unsure_signs(robot, alike, better)
+    for zero in find_zeros(robot, expected):
+        yield as_zero(robot, zero)
 
 
 def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[Log]:

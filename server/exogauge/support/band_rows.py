@@ -341,20 +341,12 @@ def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
 
 def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) [m] beyond l_0 (W,), low-passed as the torque: the low-pass rounds the corner where a band comes taut."""
-    return _as_torque(wires, _stretch, l_0)
+    return _as_torque(wires, lambda length, rest: np.maximum(length - rest, 0.0), l_0)
 
 
 def taut(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) share of the moment that bands are taut, low-passed likewise: minus the slope of `stretches` with l_0."""
-    return _as_torque(wires, _taut, l_0)
-
-
-def _stretch(length: Array, rest: float) -> Array:
-    return np.maximum(length - rest, 0.0)
-
-
-def _taut(length: Array, rest: float) -> Array:
-    return (length > rest).astype(np.float64)
+    return _as_torque(wires, lambda length, rest: (length > rest).astype(np.float64), l_0)
 
 
 def _as_torque(wires: Sequence[Wire], pull: Callable[[Array, float], Array], l_0: Array) -> Array:

@@ -209,7 +209,7 @@ def identify_bands(
         cross_checks=()
         if approach == "prior"
         else within(seen, device.bands, springs.of_robot, criteria, sigma, springs.stated),
-        named=_named(springs),
+        named=_named(springs) if approach in ("A", "B") else (),  # of which findings have theirs
     )
 
 
