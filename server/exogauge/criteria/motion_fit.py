@@ -36,7 +36,8 @@ class MotionFit:
     the number of points: less is a line. bad_rms: a marker that misses by more is told. no_body_rms: of all markers,
     beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7.
     slip_m: a marker that misses by more in some frames, unlike most of its segment, is none there, or another's; skin
-    and stature leave 3 cm at most where labels are right (OpenCap's STS1). moment: share of a marker's frames up to
+    and stature leave 3 cm at most where labels are right (OpenCap's STS1). shorter_m: from feet to thorax, by which a
+    static trial shows no one who stands; who sits is 40 cm shorter, who breathes or leans 2. moment: share of a marker's frames up to
     which that is for a moment; more is a wrong name. slips: times that it is looked for.
     least_seen: share of frames in which pelvis and thorax must be seen. guessed_s: longer stretches in which they are
     not are told; a spline closes shorter ones. chunk: frames of which slopes are held at once.
@@ -91,6 +92,7 @@ class MotionFit:
     bad_rms: float = 0.03
     no_body_rms: float = 0.03
     slip_m: float = 0.15
+    shorter_m: float = 0.1
     moment: float = 0.1
     slips: int = 2
     least_seen: float = 0.5
