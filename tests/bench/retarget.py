@@ -57,8 +57,9 @@ ASKED = (
 
 
 def report(*names: str) -> None:
-    head = ("robot, capture", "CPU s", "a second of motion", "rate", "pressure inside, mm", "feet, mm, °", "beyond, rad",
-            "speed", "torque, trunk and arms", "legs, evenly", "friction", "weight", "nearest, mm", "broken")  # fmt: skip
+    head = ("robot, capture", "CPU s", "a second of motion", "rate", "pressure inside, mm", "feet, mm, °",
+            "beyond, rad", "speed", "torque, trunk and arms", "legs, evenly", "friction", "weight", "nearest, mm",
+            "broken")  # fmt: skip
     rows, told = list[list[str]](), list[str]()
     for robot, capture in ASKED:
         if all(name in f"{robot}, {capture}" for name in names):
@@ -92,7 +93,8 @@ def measured(folder: Path, name: str, capture: str) -> tuple[list[list[str]], di
         rows.append([*first, f"{rate} Hz", *judged(robot, seen, limits(urdf, robot.joints)), "", ""])
     rows[0][-1] = "; ".join(said["broken"]) if isinstance(said["broken"], list) else str(said["broken"])
     rows[0][-2] = f"{1e3 * nearest(robot, Shapes(robot, urdf, assets), read_written(robot, table).q):.1f}"
-    return rows, {key: value for key, value in said.items() if key.startswith(("trunk", "nearest", "rounds", "seconds"))}
+    shown = ("trunk", "nearest", "rounds", "seconds")
+    return rows, {key: value for key, value in said.items() if key.startswith(shown)}
 
 
 def judged(robot: MotionRobot, seen: ByMuJoCo, said: Mapping[str, np.ndarray]) -> list[str]:

@@ -59,9 +59,9 @@ def test_a_frame_that_names_a_bone_twice_or_not_is_refused_where_it_stands(tmp_p
     doubled = [*lines[: second + 3], bone, *lines[second + 3 :]]
     fault = fault_of(acclaim(tmp_path, amc="\n".join(doubled) + "\n"))
     assert (fault.rule, fault.row, fault.column) == ("bone_twice", second + 4, bone.split()[0])
-    lacking = [*lines[: second + 2], *lines[second + 3 :]]
+    lacking = [line for k, line in enumerate(lines) if k != lines.index("1") + 2]
     fault = fault_of(acclaim(tmp_path, amc="\n".join(lacking) + "\n"))
-    assert (fault.rule, fault.row) == ("frame_cut", second + 1)
+    assert (fault.rule, fault.row) == ("frame_cut", lines.index("1") + 1)
 
 
 def test_numbers_that_no_motion_has_are_refused_at_their_place(tmp_path: Path) -> None:

@@ -57,7 +57,9 @@ HYSTERESIS = {
 DAMPED = {
     "name": "kelvin_voigt",
     "sentence": "",
-    "values": [{"name": "damping", "unit": "N·s/m", "words": "", "typical": 5, "low": 0, "high": None, "default": None}],
+    "values": [
+        {"name": "damping", "unit": "N·s/m", "words": "", "typical": 5, "low": 0, "high": None, "default": None},
+    ],
 }
 
 

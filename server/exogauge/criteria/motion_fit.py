@@ -37,8 +37,8 @@ class MotionFit:
     beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7.
     slip_m: a marker that misses by more in some frames, unlike most of its segment, is none there, or another's; skin
     and stature leave 3 cm at most where labels are right (OpenCap's STS1). shorter_m: from feet to thorax, by which a
-    static trial shows no one who stands; who sits is 40 cm shorter, who breathes or leans 2. moment: share of a marker's frames up to
-    which that is for a moment; more is a wrong name. slips: times that it is looked for.
+    static trial shows no one who stands; who sits is 40 cm shorter, who breathes or leans 2. moment: share of a
+    marker's frames up to which that is for a moment; more is a wrong name. slips: times that it is looked for.
     least_seen: share of frames in which pelvis and thorax must be seen. guessed_s: longer stretches in which they are
     not are told; a spline closes shorter ones. chunk: frames of which slopes are held at once.
     at_once: that

@@ -74,9 +74,9 @@ class Person:
         next or are not seen for long."""
         upright = float(np.median(self.turn[:, 2, 2]))
         if upright < USUAL.level:
-            detail = f"the pelvis lies: its axis is {np.degrees(np.arccos(upright)):.0f}° from upright in half of the frames"
-            raise BadMotion(Fault(detail, "not_upright", "Say which axis points up (--up); of somebody who lies no robot "
-                                  "on two feet does the same", self.name, column="pelvis"))  # fmt: skip
+            detail = f"the pelvis lies: {np.degrees(np.arccos(upright)):.0f}° from upright in half of the frames"
+            advice = "Say which axis points up (--up); what somebody does who lies is none for two feet"
+            raise BadMotion(Fault(detail, "not_upright", advice, self.name, column="pelvis"))
         time = self.time[kept]
         rate = float((len(time) - 1) / (time[-1] - time[0]))
         reach = 0.5  # [m] a trunk's length: at its end a turn shows as a way

@@ -31,8 +31,8 @@ def refuse_no_static(motion: HumanMotion, static: HumanMotion, criteria: MotionF
     moves, stands = np.nanpercentile(apart[0], 95.0), np.nanpercentile(apart[1], 5.0)
     if stands < moves - criteria.shorter_m:
         frame = int(np.nanargmin(apart[1]))
-        detail = (f"nobody stands straight in it: feet to thorax are {apart[1][frame]:.2f} m at {static.time[frame]:.2f} s, "
-                  f"and {moves:.2f} m in the motion")  # fmt: skip
+        there_s = f"feet to thorax are {apart[1][frame]:.2f} m at {static.time[frame]:.2f} s"
+        detail = f"nobody stands straight in it: {there_s}, and {moves:.2f} m in the motion"
         advice = "Cut it to where the person stands, or leave it out: its trunk is the zero of all angles"
         raise BadMotion(Fault(detail, "not_standing", advice, static.name, row=frame + 1, column="thorax"))
 

@@ -126,8 +126,9 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     for name, values in columns.items():
         wrong = np.flatnonzero(~(np.abs(values) < IMPORT.largest_number))
         if len(wrong):
-            raise BadMotion(Fault("the cell is no finite number that a motion has", "not_a_number", "Correct it or cut the motion",
-                                  path.name, int(wrong[0]) + 1, name, str(values[wrong[0]])))  # fmt: skip
+            raise BadMotion(Fault("the cell is no finite number that a motion has", "not_a_number",
+                                  "Correct it or cut the motion", path.name, int(wrong[0]) + 1, name,
+                                  str(values[wrong[0]])))  # fmt: skip
     time = np.asarray(columns["t"], dtype=np.float64)
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(time) < FEWEST or len(back):

@@ -110,8 +110,8 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     high = [float(each[:, 2].max() + home[2]) for each in corners]
     if max(high) > FLAT_M:
         k = int(np.argmax(high))
-        raise fault(f"at home a corner of this sole is {1e3 * high[k]:.0f} mm above the floor, where the lowest stands on "
-                    "it", "not_flat", "Correct `home`, by hips, knees and ankles, or the outline", f"soles.{k}",
+        detail = f"at home a corner of this sole is {1e3 * high[k]:.0f} mm above the floor, on which the lowest stands"
+        raise fault(detail, "not_flat", "Correct `home`, by hips, knees and ankles, or the outline", f"soles.{k}",
                     soles[k].link)  # fmt: skip
     soles = tuple(
         sole if pose.rotation[2] @ sole.axes[:, 2] > 0.0 else Sole(sole.link, sole.outline[::-1].copy())

@@ -204,8 +204,11 @@ def _faults(found: Sequence[Any], model: type[BaseModel], node: yaml.Node, file:
     """Of a value that may be of several kinds, what is wrong with it as the kind that it is."""
     faults = [_fault(dict(item), model, node, file) for item in found]
     other = {fault.column for fault in faults if not fault.rule.endswith("_type")}
-    kept = [fault for item, fault in zip(found, faults, strict=True)
-            if _as_one_of(item["loc"]) == item["loc"] or not fault.rule.endswith("_type") or fault.column not in other]
+    kept = [
+        fault
+        for item, fault in zip(found, faults, strict=True)
+        if _as_one_of(item["loc"]) == item["loc"] or not fault.rule.endswith("_type") or fault.column not in other
+    ]
     return list({(fault.column, fault.detail): fault for fault in kept}.values())
 
 
