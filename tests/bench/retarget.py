@@ -82,7 +82,7 @@ def measured(folder: Path, name: str, capture: str) -> tuple[list[list[str]], di
     spent = time.process_time() - began
     robot = load_motion_robot(description, beside=True)
     urdf, assets = felt(folder)
-    rows = []
+    rows = list[list[str]]()
     for rate in ("200", "1000"):
         out = folder / f"at_{rate}.npz"
         told("motion", "export", str(table), "--robot", str(description), "--rate", rate, "--format", "mujoco",

@@ -28,7 +28,8 @@ class MotionFit:
     zero. reach_sd: by which a joint goes beyond its reach (`body.REACH`), which is wide. far_rad: of a limb, from where
     it starts: its markers may lie on the other side, and it is sought once more.
     to_go, first_to_go: what a further step would gain, in σ², where scales and places have settled, and where they
-    have so far that postures are sought anew by them; real_noise: m, below which that is less, in proportion.
+    have so far that postures are sought anew by them; swings: times as much that a step may promise that gains less;
+    real_noise: m, below which that is less, in proportion.
     track_settled: the same of a frame's posture. damping, least_damping, least_share: at the start; below which
     covariances do not feel it; of a step, below which damping helps more. felt_s: a posture moves those nearer in time.
     first_hz: frames a second that are tracked before the rest. round_off: of a sum of squares.
@@ -77,6 +78,7 @@ class MotionFit:
     least_share: float = 0.05
     round_off: float = 1e-9
     first_to_go: float = 10.0
+    swings: float = 10.0
     real_noise: float = 1e-4
     nearly: float = 1e-4
     same_noise: float = 1e-3

@@ -275,8 +275,9 @@ def _up(
     along = np.sign(mean[k]) * np.eye(3)[k] if abs(mean[k]) > USUAL.upright * np.linalg.norm(mean) else None
     if stated is not None:
         axis = AXES[stated.lower()]
-        other = along is not None and along @ axis < USUAL.level
-        return axis, f"stated: {stated.lower()}" + (f", though feet to head lie along {_name(along)}" if other else "")
+        if along is not None and along @ axis < USUAL.level:
+            return axis, f"stated: {stated.lower()}, though feet to head lie along {_name(along)}"
+        return axis, f"stated: {stated.lower()}"
     if captured.up is not None:
         if along is not None and not along @ captured.up > 0.0:
             seen, read = _name(along), _name(captured.up)
