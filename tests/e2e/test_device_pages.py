@@ -57,6 +57,37 @@ def test_a_stiffer_band_pulls_more_at_once(
     screenshot("device-changed")
 
 
+def test_a_law_is_chosen_and_what_it_would_do_is_shown(
+    page: Page, sample_service: Service, screenshot: Callable[[str], None]
+) -> None:
+    open_device(page)
+    expect(page.get_by_test_id("elapsed")).to_have_text(re.compile(r"answered in \d+ ms"), timeout=60_000)
+    before = peak_now(page, "torso_pitch")
+    page.get_by_role("combobox", name="Law").click()
+    page.get_by_role("option", name="hysteresis").click()
+    expect(page.get_by_text("by a share that no speed changes")).to_be_visible()
+    share = page.get_by_label("hysteresis", exact=True)
+    expect(share).to_have_value("0.1")
+    share.fill("2")
+    expect(page.get_by_text("It must be 1 or less.")).to_be_visible()
+    share.fill("0.5")
+    expect(page.get_by_text("It must be 1 or less.")).to_be_hidden()
+    page.keyboard.press("Escape")
+    row = page.get_by_role("region", name="Torque by joint: table").get_by_role("row").filter(has_text="torso_pitch")
+    expect(row.get_by_role("cell").nth(3)).to_have_text(re.compile(r"\+\d"))
+    assert abs(peak_now(page, "torso_pitch")) > 1.2 * abs(before)
+    screenshot("device-law")
+    page.get_by_role("button", name="Save as a new version").click()
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("Law of A: linear → hysteresis (hysteresis 0.5, thread_way 0.001, thread_n 1)")
+    dialog.get_by_label("Name").fill("Suit with threads that rub")
+    dialog.get_by_role("button", name="Save", exact=True).click()
+    expect(page.get_by_role("heading", name="Suit with threads that rub", level=1)).to_be_visible()
+    expect(page.get_by_label("hysteresis", exact=True)).to_have_value("0.5")
+    page.get_by_role("radio", name="B_left").check()
+    expect(page.get_by_label("hysteresis", exact=True)).to_be_hidden()
+
+
 def test_every_change_is_undone_and_redone_by_keys(page: Page, sample_service: Service) -> None:
     open_device(page)
     stretch = page.get_by_role("region", name="Bands: table").get_by_role("row").filter(has_text="B_left")

@@ -51,6 +51,9 @@ class MotionImport:
     widest_m: float = 10.0  # judgement: markers of no known name that reach farther up are no person's, nor a thing's
     quaternion: float = 0.01  # judgement: of its length; files write four decimals, other numbers are farther off
     longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
+    looked_at: int = 2000  # frames or so, by which a body's height and its up are told
+    shortest_frame_s: float = 1e-5  # judgement: of cameras the fastest take some thousand a second
+    largest_number: float = 1e12  # judgement: programs write 9999999 for what they do not know, and no turn is larger
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
     leap_m: float = 0.06  # measured: by which a step of a marker differs from those beside it; recordings 5 cm at most
     jerk_m_per_s3: float = 2000.0  # judgement: of a foot that runs; of one that walks 390 were measured
