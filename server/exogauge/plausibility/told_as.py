@@ -27,7 +27,7 @@ from exogauge.robots.description import Robot
 
 OTHER_CLOCK, EFFORT_DELAY = "effort_clock", "effort_delay"
 WRENCH_CLOCK = "wrench_clock"
-IMU_CLOCK = "imu_clock"
+IMU_CLOCK, IMU_LATE = "imu_clock", "imu_late"
 MOVED_ZERO = "zero_moved"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
@@ -107,17 +107,21 @@ def as_other_points(robot: Robot, points: OtherPoints) -> Iterator[Finding]:
             yield Finding("error", f"ft.{sensor.name}", "wrench_point", detail, advice, value=distance)
 
 
-def as_late(late: Late) -> Finding:
+def as_late(late: Late, alike: bool = False) -> Finding:
+    """alike: an IMU in every log, by as little as the effect `imu_delay` can name."""
+    by = "how the contacts' moments about the base change no body near its description asks for as it is"
+    if late.by_legs:
+        by = "how the base turns by the legs that stand the gyro does not tell as it is"
     detail = (
         f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
-        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body near its description "
-        f"asks for as it is, and {100 * late.after:.0f} % so"
+        f"{100 * late.before:.0f} % of {by}, and {100 * late.after:.0f} % so"
     )
     if late.of_imu:
         advice = (
             "is the IMU of another clock? In a mapping name its file, or the file once more for it, with a `delay_s`"
         )
-        return Finding("warning", "acc", IMU_CLOCK, f"and gyro {detail}", advice, value=late.seconds)
+        rule = IMU_LATE if alike else IMU_CLOCK
+        return Finding("warning", "acc", rule, f"and gyro {detail}", advice, value=late.seconds)
     advice = "are they of another clock? In a mapping name their file with a `delay_s`"
     return Finding("warning", "ft.*", WRENCH_CLOCK, detail, advice, value=late.seconds)
 
