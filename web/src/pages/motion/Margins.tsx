@@ -1,4 +1,4 @@
-import { Table, Text, Title } from "@mantine/core";
+import { Box, Table, Text, Title } from "@mantine/core";
 
 import type { Found } from "../../api/motions";
 import { FactList } from "../../parts/FactList";
@@ -42,7 +42,9 @@ export function Margins({ found }: { found: Found }) {
           </Table.Tr>
         </WideTable>
       ) : (
-        <FactList facts={left(margins)} />
+        <Box mb="sm">
+          <FactList facts={left(margins)} />
+        </Box>
       )}
       {alone && (
         <Text size="xs" c="dimmed" mt={4} mb="md">
