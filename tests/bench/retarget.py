@@ -51,8 +51,7 @@ CAPTURES: Mapping[str, tuple[str, tuple[str, ...], float, float]] = {  # file, o
     "STS1": ("opencap_sts_trc_grf/STS1.trc", ("--static", "opencap_subject4/static1.trc"), 0.0, 9.0),
 }
 ASKED = (
-    ("sample", "bend (CMU 02_06)"), ("Talos", "bend (CMU 02_06)"), ("JVRC-1", "bend (CMU 02_06)"),
-    *(("sample", capture) for capture in list(CAPTURES)[1:]),
+    *(("sample", capture) for capture in CAPTURES), ("JVRC-1", "bend (CMU 02_06)"), ("Talos", "bend (CMU 02_06)"),
 )  # fmt: skip
 
 
@@ -60,15 +59,13 @@ def report(*names: str) -> None:
     head = ("robot, capture", "CPU s", "a second of motion", "rate", "pressure inside, mm", "feet, mm, °",
             "beyond, rad", "speed", "torque, trunk and arms", "legs, evenly", "friction", "weight", "nearest, mm",
             "broken")  # fmt: skip
-    rows, told = list[list[str]](), list[str]()
     for robot, capture in ASKED:
         if all(name in f"{robot}, {capture}" for name in names):
             with tempfile.TemporaryDirectory() as folder:
-                made, said = measured(Path(folder), robot, capture)
-            rows += made
-            told += [f"{robot}, {capture}", *(f"  {key}: {value}" for key, value in said.items())]
-            print("\n".join(told[-1 - len(said) :]), flush=True)
-    print(text_table(head, rows))
+                rows, said = measured(Path(folder), robot, capture)
+            print(
+                "\n".join([text_table(head, rows), *(f"  {key}: {value}" for key, value in said.items())]), flush=True
+            )
 
 
 def measured(folder: Path, name: str, capture: str) -> tuple[list[list[str]], dict[str, Any]]:

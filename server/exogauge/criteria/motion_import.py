@@ -62,6 +62,12 @@ class MotionImport:
     held_m: float = 0.02  # judgement: by which the others of its part move meanwhile; a foot turns about one that rests
     fast_m_per_s2: float = 20.0  # measured: rms of a point of the trunk; recordings 5, ten times as fast 37
     fast_s: float = 0.05
+    lands: float = 0.25  # judgement: of the way that two would have gone which have not exchanged their places
+    apart_least_m: float = 0.02  # judgement: twice the distance of two markers; below noise turns a way round
+    slow_s: float = 1.0
+    slow_hz: float = 0.12  # measured: trunks over their feet .5 to .8, ten times as slow .06 to .1
+    strays_m: float = 0.03  # measured: by which a marker leaps against the others of pelvis or thorax; recordings 2 cm
+    moves_m: float = 0.05  # judgement: of what moves less a rate is told by noise
     usual_hz: tuple[float, float] = (20.0, 1000.0)  # judgement: cameras and suits run at 24 to 500
     crossed: float = 0.9  # judgement: of frames in which a left point lies to the right of its fellow; legs cross too
     apart_m: float = 0.03  # judgement: two that are nearer say not which is left

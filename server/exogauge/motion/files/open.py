@@ -241,7 +241,8 @@ def _doubted(motion: HumanMotion, points: Array) -> HumanMotion:
     trunk = [k for k, name in enumerate(names) if whole.segment.get(name) in ("pelvis", "thorax", "head")]
     doubts = {"sides_doubt": sides_doubt(motion)}
     if not {"leaps", "joined"} & set(motion.told):
-        doubts["rate_doubt"] = rate_doubt(points[:, trunk], motion.rate)
+        feet = [k for k, name in enumerate(names) if whole.segment.get(name) in ("l_foot", "r_foot")]
+        doubts["rate_doubt"] = rate_doubt(points[:, trunk], points[:, feet], motion.rate)
     return replace(motion, told={**motion.told, **{key: words for key, words in doubts.items() if words is not None}})
 
 
