@@ -43,7 +43,7 @@ from exogauge.plausibility.told_as import (
     as_turned_leg,
     as_unit,
     as_unlike,
-    as_unsure_signs,
+    as_unsure_sign,
     as_zero,
 )
 from exogauge.plausibility.unlike import Unlike
@@ -153,10 +153,8 @@ def _signs_and_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Fin
     """What is asked where nothing else was found."""
     if not expected:
         return
-    unsure = unsure_signs(robot, expected)
-    for better in (True, False):
-        if alike := [joint for joint, its in unsure.items() if its is better]:
-            yield as_unsure_signs(robot, alike, better)
+    for joint, better in unsure_signs(robot, expected).items():
+        yield as_unsure_sign(robot, joint, better)
     for zero in find_zeros(robot, expected):
         yield as_zero(robot, zero)
 

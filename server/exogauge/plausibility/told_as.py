@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from exogauge.robots.description import Robot
 OTHER_CLOCK, EFFORT_DELAY = "effort_clock", "effort_delay"
 WRENCH_CLOCK = "wrench_clock"
 IMU_CLOCK, IMU_LATE = "imu_clock", "imu_late"
-MOVED_ZERO = "zero_moved"
+MOVED_ZERO, UNSURE_SIGN = "zero_moved", "sign_unsure"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
     "position_reversed": (
@@ -228,16 +228,14 @@ def _as_gravity(robot: Robot, slip: Slip, up: tuple[float, ...]) -> Finding:
     return Finding("error", "base", slip.remedy.rule, detail, advice, value=slip.remedy.value)
 
 
-def as_unsure_signs(robot: Robot, joints: Sequence[int], better: bool) -> Finding:
-    """On the first joint. better: with both signs turned they fit better, though not surely."""
-    names = [f"q.{robot.joints[j].name}" for j in joints]
-    also = f", and alike of {', '.join(names[1:])}" if len(names) > 1 else ""
+def as_unsure_sign(robot: Robot, joint: int, better: bool) -> Finding:
+    """better: with both signs turned they fit better, though not surely."""
     detail = (
-        f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned{also}: whether "
-        "they are right these logs do not tell"
+        f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned: whether they are "
+        "right these logs do not tell, and no parameter of the joint counts as decided"
     )
     advice = "look which way it turns as its angle grows, or record it with a weight beside its axis"
-    return Finding("warning" if better else "note", names[0], "sign_unsure", detail, advice)
+    return Finding("warning" if better else "note", f"q.{robot.joints[joint].name}", UNSURE_SIGN, detail, advice)
 
 
 def as_dead(robot: Robot, dead: DeadPosition) -> Finding:

@@ -25,7 +25,15 @@ from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
 from exogauge.plausibility.examine import examine_against_robot, examine_worn
-from exogauge.plausibility.told_as import EFFORT_DELAY, IMU_CLOCK, IMU_LATE, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK
+from exogauge.plausibility.told_as import (
+    EFFORT_DELAY,
+    IMU_CLOCK,
+    IMU_LATE,
+    MOVED_ZERO,
+    OTHER_CLOCK,
+    UNSURE_SIGN,
+    WRENCH_CLOCK,
+)
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -37,7 +45,7 @@ from exogauge.support.settings import WornLog
 OF_THE_BASE = ("acc", "gyro", "ft", "t")  # where these are wrong, so is what every joint should bear
 SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
     "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
-    "couple_first", "degrees", "motor_side",
+    "couple_first", "degrees", "motor_side", "counts", "sign_lost",
 }  # fmt: skip
 
 
@@ -152,6 +160,11 @@ def late_and_not_in_the_model(
         late = {each["log"]: each for each in told if each["rule"] == rule}
         notices += _told_of([*late], late, About.LATE_FIT)
     return notices
+
+
+def unsure_joints(findings: Sequence[Mapping[str, Any]]) -> set[str]:
+    """Those of which position and effort may both be turned: what other bodies do to them then has the wrong sign."""
+    return {str(each["channel"]).partition(".")[2] for each in findings if each["rule"] == UNSURE_SIGN}
 
 
 def _spoiling(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
