@@ -41,13 +41,8 @@ IN_BANDS = frozenset(kind.name for kind in (*_IN_BANDS, *_BANDS_IF_ASKED))  # on
 IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
 ON_ENCODERS = EncoderEccentricity.name
 OUTSIDE = (CableWrap.name, FrictionWanders.name, StrapSlides.name)  # of every catalogue: nobody may name them
-ON_REQUEST = (
-    Coupling.name,
-    ON_ENCODERS,
-    BandSoftening.name,
-    BandHysteresis.name,
-    *OUTSIDE,
-)  # one more sort in turn would change what every seed hides
+# One more sort in turn would change what every seed hides.
+ON_REQUEST = (Coupling.name, ON_ENCODERS, BandSoftening.name, BandHysteresis.name, *OUTSIDE)
 KINDS = (*(name for name in (*ON_JOINTS, *ELSEWHERE) if name not in ON_REQUEST), IN_LOGS)  # that take turns
 SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named
 CLUTTER = ("stribeck", "load_coulomb", "asym_viscous", "nonlinear_viscous", "joint_spring", "torque_ripple")
