@@ -289,8 +289,8 @@ class BandSoftening(_OnOneBand):
 @dataclass(frozen=True)
 class BandHysteresis(_OnOneBand):
     """Its threads rub on each other: it pulls the share size · c more. c, -1…1, is what `ways` [m] as many threads in
-    parallel hold, each of which sticks until strained by its way (Iwan): loops grow with the swing, and remember all turns that
-    were not passed since."""
+    parallel hold, each of which sticks until strained by its way (Iwan): loops grow with the swing, and remember all
+    turns that were not passed since."""
 
     band: str
     ways: tuple[float, ...]
