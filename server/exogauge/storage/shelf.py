@@ -18,7 +18,9 @@ MOST_WAITING = 12  # judgement: of a server's 40 threads for one slow thing (two
 class Shelf:
     """Files by key in a folder; the ones looked at longest ago go when it is full. Threads and processes share it."""
 
-    def __init__(self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2, most: float = MOST_WAITING) -> None:
+    def __init__(
+        self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2, most: float = MOST_WAITING
+    ) -> None:
         """at_once: how many may be made at the same time. most: how many may ask for what is still to be made; others
         are sent away (Unavailable), as who waits holds a thread."""
         self._folder, self._kept_bytes, self._suffix = folder, kept_bytes, suffix
