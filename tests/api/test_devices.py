@@ -11,6 +11,8 @@ import yaml
 from fastapi.testclient import TestClient
 
 from exogauge.api.app import create_app
+from exogauge.effects.band_laws import all_laws, check_values
+from exogauge.errors import BadInput
 from exogauge.settings import Settings
 
 V1 = "/api/v1"
@@ -251,3 +253,16 @@ def test_parts_that_do_not_fit_together_are_refused(
     assert plain.json()["errors"][0]["pointer"] == "#/logs/0"
     nobody = client.post(f"{V1}/studies", json={**wanted, "device_id": NOBODY})
     assert nobody.status_code == 404
+
+
+def test_every_law_that_device_yaml_takes_is_told_with_its_values(client: TestClient) -> None:
+    told = client.get(f"{V1}/band-laws").json()["laws"]
+    assert {law["name"] for law in told} == set(all_laws())
+    for law in told:
+        assert law["sentence"]
+        check_values(law["name"], {value["name"]: value["typical"] for value in law["values"]})
+        check_values(law["name"], {value["name"]: value["low"] for value in law["values"] if value["default"] is None})
+        for value in law["values"]:
+            if value["high"] is not None:
+                with pytest.raises(BadInput):
+                    check_values(law["name"], {value["name"]: value["high"] * 1.01})

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.effects.band import BandEffect
-from exogauge.effects.band_laws import LINEAR
+from exogauge.effects.band_laws import LINEAR, SPRING
 from exogauge.effects.catalogue import (
     all_effects,
     band_effects,
@@ -52,7 +52,7 @@ def tables() -> Mapping[str, str]:
 
 def _laws() -> str:
     """The laws of device.yaml: each value with its unit, and what it is where it is left out."""
-    linear = (f"`{LINEAR}`", "", "It pulls in proportion to its stretch, and is slack below its natural length.")
+    linear = (f"`{LINEAR}`", "", SPRING)
     rows = [(f"`{each.law}`", _values(each), each.sentence) for each in band_effects().values() if each.law]
     return _table(("`law`", "`law_values`", "the band"), [linear, *sorted(rows)])
 

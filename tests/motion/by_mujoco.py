@@ -85,9 +85,9 @@ def bare(urdf: str) -> str:
 def limits(urdf: str, joints: tuple[str, ...]) -> dict[str, Array]:
     """lower, upper [rad, m], velocity, effort of joints (J,), as the file says them."""
     root = ElementTree.fromstring(urdf)
-    said = {each.get("name"): each.find("limit") for each in root.findall("joint") if each.find("limit") is not None}
+    said = {each.get("name"): limit for each in root.findall("joint") if (limit := each.find("limit")) is not None}
     return {
-        key: np.array([float(said[joint].get(key)) for joint in joints])
+        key: np.array([float(said[joint].get(key, "nan")) for joint in joints])
         for key in ("lower", "upper", "velocity", "effort")
     }
 
@@ -185,7 +185,7 @@ class ByMuJoCo:
             rows += [R.T @ along, R.T @ around]
         J, D = np.concatenate(rows), np.tile(EVENLY, len(bodies)) * np.repeat(up, 6)
         driven = J[:, :6]
-        return J.T @ (D * (driven @ np.linalg.solve(driven.T @ (D[:, None] * driven), asked[:6])))
+        return np.asarray(J.T @ (D * (driven @ np.linalg.solve(driven.T @ (D[:, None] * driven), asked[:6]))))
 
     @staticmethod
     def qpos(model: mujoco.MjModel, robot: MotionRobot, q: np.ndarray) -> np.ndarray:
@@ -216,7 +216,7 @@ class Shapes:
 
     def distance(self, one: str, other: str) -> float:
         geoms = (self.link.index(one), self.link.index(other))
-        return mujoco.mj_geomDistance(self.model, self.data, *geoms, 10.0, None)
+        return float(mujoco.mj_geomDistance(self.model, self.data, *geoms, 10.0, None))
 
     def nearest(self, most: float, q: np.ndarray) -> dict[frozenset[str], float]:
         """[m] of pairs of links that MuJoCo's own collision detection finds nearer than `most`, parents and children

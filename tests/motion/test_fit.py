@@ -50,8 +50,8 @@ def test_normal_equations_are_those_of_the_slopes() -> None:
     left, weight = rng.normal(size=place.shape), rng.uniform(0.0, 2.0, (4, 9))
     A, g = normal(body, at, points, place, left, weight)
     J, w = slopes(body, at, points, place), np.repeat(weight, 3, axis=1)
-    assert np.moveaxis(A, 2, 0) == pytest.approx(np.einsum("tnk,tn,tnl->tkl", J, w, J), abs=1e-12)
-    assert pytest.approx(np.einsum("tnk,tn,tn->tk", J, w, left.reshape(4, -1)), abs=1e-12) == g.T
+    assert pytest.approx(np.einsum("tnk,tn,tnl->tkl", J, w, J), abs=1e-12) == A
+    assert pytest.approx(np.einsum("tnk,tn,tn->tk", J, w, left.reshape(4, -1)), abs=1e-12) == g
 
 
 def test_markers_that_say_nothing_of_the_trunk_are_refused() -> None:

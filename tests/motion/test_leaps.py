@@ -66,6 +66,48 @@ def test_labels_that_are_exchanged_for_a_while_are_put_back_and_told(tmp_path: P
     assert "slips" not in motion.told
 
 
+@pytest.mark.parametrize("frames", [slice(30, 55), slice(40, 41), slice(20, None)])
+def test_neighbours_that_are_exchanged_are_put_back_though_neither_leaps_far(tmp_path: Path, frames: slice) -> None:
+    """Two markers of a shoulder, 4 cm apart: the trunk was .4 degrees off, in silence."""
+    whole = bowing().markers
+    at = [whole.labels.index(each) for each in ("LSHO", "C7")]
+    near = whole.position.copy()
+    near[:, at[1]] = near[:, at[0]] + np.array([0.03, 0.02, 0.01])
+    wrong = near.copy()
+    wrong[frames, at] = wrong[frames, at[::-1]]
+    motion = read(tmp_path, whole, wrong)
+    assert "C7 and LSHO" in motion.told["exchanged"] or "LSHO and C7" in motion.told["exchanged"]
+    got = motion.markers.position
+    other = got.copy()
+    other[:, at] = other[:, at[::-1]]  # of two ways the more frequent one is kept
+    assert min(np.abs(got - near).max(), np.abs(other - near).max()) < 1e-6
+    assert "exchanged" not in read(tmp_path, whole, near).told
+
+
+@pytest.mark.parametrize("by", [0.035, 0.05])
+def test_a_marker_of_the_trunk_that_slips_by_less_is_doubted(tmp_path: Path, by: float) -> None:
+    whole = bowing().markers
+    slipped = whole.position.copy()
+    slipped[60:, whole.labels.index("C7"), 1] += by
+    motion = read(tmp_path, whole, slipped)
+    assert motion.told["strays"] == f"C7 by {100 * by:.1f} cm at 0.60 s"
+    assert motion.markers.position == pytest.approx(slipped, abs=1e-6)  # nothing is changed by a doubt
+    assert fit_human(motion).told["strays"] == motion.told["strays"]
+    assert "strays" not in read(tmp_path, whole, whole.position).told
+
+
+def test_a_rate_at_which_everybody_would_be_slow_is_told(tmp_path: Path) -> None:
+    """Bows of two seconds at 240 frames a second, said to be 24: ten times too few were taken in silence."""
+    whole = bowing().markers
+    fine = np.moveaxis(np.array([[np.interp(np.arange(480) / 4.8, np.arange(101), column) for column in label.T]
+                                 for label in np.moveaxis(whole.position, 1, 0)]), 2, 0)  # fmt: skip
+    many = np.concatenate([fine, fine])
+    assert "rate_doubt" not in read(tmp_path, whole, many, 240.0).told
+    assert "ten times as fast" in read(tmp_path, whole, many, 24.0).told["rate_doubt"]
+    still = np.tile(fine[:1], (len(many), 1, 1))
+    assert "rate_doubt" not in read(tmp_path, whole, still, 24.0).told  # of who stands a rate is told by nothing
+
+
 @pytest.mark.parametrize(("frames", "words"), [(slice(30, 50), "0.31 to 0.49 s"), (slice(0, 101), "0.00 to 1.00 s")])
 def test_values_that_are_held_are_gaps(tmp_path: Path, frames: slice, words: str) -> None:
     whole = bowing().markers

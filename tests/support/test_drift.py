@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.criteria.identifying import DECLARED
+from exogauge.criteria.supporting import Supporting
 from exogauge.identification.session import courses
 from exogauge.robots.description import Declared
 from exogauge.support.balance import balance
@@ -223,7 +224,7 @@ def test_a_share_in_between_is_doubted_as_it_errs():
         truth = SIZE * course @ rng.normal(size=R) / np.sqrt(R)
         seen = truth[runs] + 0.05 * rng.normal() + 0.001 * rng.normal(size=4)
         told = Runs(course[runs], ["a"] * 4, seen[:, None], np.full((4, 1, 1), 1e-6))
-        beta, *roots = told_by([told], np.full((1, 1, R), SIZE / np.sqrt(R)), 1.0)
+        beta, *roots = told_by([told], np.full((1, 1, R), SIZE / np.sqrt(R)), Supporting())
         change = course[3] - course[1]
         std = np.linalg.norm([each[0].T @ change for each in roots])
         z.append((change @ beta[0, 0] - (truth[3] - truth[1])) / std)
@@ -245,7 +246,7 @@ def test_motors_that_no_run_tells_of_are_believed_to_warm_as_those_that_are_told
         truth = size * (np.sqrt(alike) * common + np.sqrt(1.0 - alike) * own)
         seen = truth @ course[runs].T + 0.05 * rng.normal(size=(6, 1)) + 0.002 * rng.normal(size=(6, 4))
         told = [Runs(course[runs], ["a"] * 4, each[:, None], np.full((4, 1, 1), 4e-6)) for each in seen[:4]]
-        beta, root, shared = told_by([*told, None, None], np.full((6, 1, R), size), 1.0)
+        beta, root, shared = told_by([*told, None, None], np.full((6, 1, R), size), Supporting())
         off = (beta[:, 0] - truth) @ change
         std = np.hypot(np.linalg.norm(change @ root, axis=1), np.linalg.norm(change @ shared, axis=1))
         both = np.linalg.norm([*(change @ root[4:]), change @ (shared[4] + shared[5])])
@@ -280,3 +281,23 @@ def test_what_a_log_says_of_a_drive_is_never_known_better_than_by_errors_that_do
     found = of_one_log(counts, errors, columns)
     assert np.linalg.eigvalsh(found - alone)[0] > -1e-9 * np.trace(alone)
     assert np.linalg.eigvalsh(found - cut_off)[0] > -1e-9 * np.trace(alone)
+
+
+@pytest.mark.parametrize(("sizes", "followed"), [(0.8, True), (-0.8, True), (5.0, False), (-30.0, False)])
+def test_repetitions_that_differ_by_far_more_than_is_declared_tell_of_no_motor(sizes, followed):
+    """A joint's friction is another in each repetition where it creeps, and what a run says of its motor is as sure as
+    noise lets it be."""
+    starts = np.array([30.0, 600.0, 2200.0])
+    course = courses(starts, 2320.0)
+    course, R = course - course[0], course.shape[1]
+    seen = np.array([0.0, sizes * SIZE])
+    told = Runs(course[[1, 2]], ["a"] * 2, seen[:, None], np.full((2, 1, 1), (0.05 * SIZE) ** 2))
+    beta, *roots = told_by([told], np.full((1, 1, R), SIZE / np.sqrt(R)), Supporting())
+    change = course[2] - course[1]
+    moved, std = change @ beta[0, 0], np.linalg.norm([each[0].T @ change for each in roots])
+    if followed:
+        assert moved == pytest.approx(seen[1], abs=0.1 * SIZE)
+        assert std < 0.1 * SIZE
+    else:
+        assert abs(moved) < SIZE
+        assert abs(moved) < 2.0 * std

@@ -19,7 +19,7 @@ def by_the_page(path: str, calls: Sequence[tuple[str, Sequence[Any]]]) -> list[A
         pytest.skip("what the page is made of is not installed: `make web`")
     script = (
         'import { readFileSync } from "node:fs"; import { registerHooks } from "node:module";'
-        "const whole = (name) => (/^\\.\\.?\\/[^.]+$/.test(name) ? `${name}.ts` : name);"
+        "const whole = (name) => (/^(\\.\\.?\\/)+[^.]+$/.test(name) ? `${name}.ts` : name);"
         "registerHooks({ resolve: (name, context, next) => next(whole(name), context) });"
         f'const code = await import("{(SOURCE / path).as_uri()}");'
         "const calls = JSON.parse(readFileSync(0, 'utf8'));"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -25,7 +26,7 @@ from exogauge.api.dependencies import (
 )
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.routing import Router
-from exogauge.api.shapes import DeviceList, DeviceOut
+from exogauge.api.shapes import DeviceList, DeviceOut, LawOut, LawsOut, LawValueOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
 from exogauge.storage.blobs import copy_out
@@ -77,6 +78,24 @@ def list_devices(
 ) -> DeviceList:
     page = store.devices.page(cursor, limit, search=search, name=name, robot_id=robot_id)
     return listed(store, store.devices, page, DeviceOut, DeviceList)
+
+
+@router.get("/band-laws", operation_id="getBandLaws")
+def get_band_laws() -> LawsOut:
+    """How a band of a device may pull: `law` and `law_values` of device.yaml."""
+    from exogauge.effects.band_laws import BandLaw, all_laws
+
+    def told(law: BandLaw) -> LawOut:
+        values = [
+            LawValueOut(
+                name=each.name, unit=each.unit, words=each.words, typical=each.stated.typical, low=each.stated.low,
+                high=each.stated.high if math.isfinite(each.stated.high) else None, default=each.stated.default,
+            )
+            for each in law.values
+        ]  # fmt: skip
+        return LawOut(name=law.name, sentence=law.sentence, values=values)
+
+    return LawsOut(laws=[told(law) for law in all_laws().values()])
 
 
 @router.get("/devices/{device_id}", operation_id="getDevice")

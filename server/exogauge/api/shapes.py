@@ -77,6 +77,36 @@ class DeviceOut(Kept):
 
 
 @final
+class LawValueOut(Answer):
+    """A value of a law of bands, in `law_values` of device.yaml. typical: of ordinary size, to begin with. low, high:
+    its range, ends included; high null: no end. default: what it is where it is left out; null: it must be given."""
+
+    name: str
+    unit: str
+    words: str
+    typical: float
+    low: float
+    high: float | None
+    default: float | None
+
+
+@final
+class LawOut(Answer):
+    """A law of device.yaml. sentence: what a band does that pulls so."""
+
+    name: str
+    sentence: str
+    values: list[LawValueOut]
+
+
+@final
+class LawsOut(Answer):
+    """Every law of bands; several are one law with + between their names."""
+
+    laws: list[LawOut]
+
+
+@final
 class LogOut(Answer):
     """A stored log. sha256: of its bytes as uploaded; summary: what its reading found."""
 

@@ -28,7 +28,8 @@ class MotionFit:
     zero. reach_sd: by which a joint goes beyond its reach (`body.REACH`), which is wide. far_rad: of a limb, from where
     it starts: its markers may lie on the other side, and it is sought once more.
     to_go, first_to_go: what a further step would gain, in σ², where scales and places have settled, and where they
-    have so far that postures are sought anew by them; real_noise: m, below which that is less, in proportion.
+    have so far that postures are sought anew by them; swings: times as much that a step may promise that gains less;
+    real_noise: m, below which that is less, in proportion.
     track_settled: the same of a frame's posture. damping, least_damping, least_share: at the start; below which
     covariances do not feel it; of a step, below which damping helps more. felt_s: a posture moves those nearer in time.
     first_hz: frames a second that are tracked before the rest. round_off: of a sum of squares.
@@ -36,8 +37,9 @@ class MotionFit:
     the number of points: less is a line. bad_rms: a marker that misses by more is told. no_body_rms: of all markers,
     beyond which no posture is passed on; recordings leave .3 to 1.1 cm, a body in a mirror 4 to 7.
     slip_m: a marker that misses by more in some frames, unlike most of its segment, is none there, or another's; skin
-    and stature leave 3 cm at most where labels are right (OpenCap's STS1). moment: share of a marker's frames up to
-    which that is for a moment; more is a wrong name. slips: times that it is looked for.
+    and stature leave 3 cm at most where labels are right (OpenCap's STS1). shorter_m: from feet to thorax, by which a
+    static trial shows no one who stands; who sits is 40 cm shorter, who breathes or leans 2. moment: share of a
+    marker's frames up to which that is for a moment; more is a wrong name. slips: times that it is looked for.
     least_seen: share of frames in which pelvis and thorax must be seen. guessed_s: longer stretches in which they are
     not are told; a spline closes shorter ones. chunk: frames of which slopes are held at once.
     at_once: that
@@ -76,6 +78,7 @@ class MotionFit:
     least_share: float = 0.05
     round_off: float = 1e-9
     first_to_go: float = 10.0
+    swings: float = 10.0
     real_noise: float = 1e-4
     nearly: float = 1e-4
     same_noise: float = 1e-3
@@ -91,6 +94,7 @@ class MotionFit:
     bad_rms: float = 0.03
     no_body_rms: float = 0.03
     slip_m: float = 0.15
+    shorter_m: float = 0.1
     moment: float = 0.1
     slips: int = 2
     least_seen: float = 0.5

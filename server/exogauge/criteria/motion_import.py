@@ -51,6 +51,9 @@ class MotionImport:
     widest_m: float = 10.0  # judgement: markers of no known name that reach farther up are no person's, nor a thing's
     quaternion: float = 0.01  # judgement: of its length; files write four decimals, other numbers are farther off
     longest_frame_s: float = 1.0  # judgement: whoever moves is not captured so; milliseconds that were read as seconds
+    looked_at: int = 2000  # frames or so, by which a body's height and its up are told
+    shortest_frame_s: float = 1e-5  # judgement: of cameras the fastest take some thousand a second
+    largest_number: float = 1e12  # judgement: programs write 9999999 for what they do not know, and no turn is larger
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
     leap_m: float = 0.06  # measured: by which a step of a marker differs from those beside it; recordings 5 cm at most
     jerk_m_per_s3: float = 2000.0  # judgement: of a foot that runs; of one that walks 390 were measured
@@ -59,6 +62,12 @@ class MotionImport:
     held_m: float = 0.02  # judgement: by which the others of its part move meanwhile; a foot turns about one that rests
     fast_m_per_s2: float = 20.0  # measured: rms of a point of the trunk; recordings 5, ten times as fast 37
     fast_s: float = 0.05
+    lands: float = 0.25  # judgement: of the way that two would have gone which have not exchanged their places
+    apart_least_m: float = 0.02  # judgement: twice the distance of two markers; below noise turns a way round
+    slow_s: float = 1.0
+    slow_hz: float = 0.12  # measured: trunks over their feet .5 to .8, ten times as slow .06 to .1
+    strays_m: float = 0.03  # measured: by which a marker leaps against the others of pelvis or thorax; recordings 2 cm
+    moves_m: float = 0.05  # judgement: of what moves less a rate is told by noise
     usual_hz: tuple[float, float] = (20.0, 1000.0)  # judgement: cameras and suits run at 24 to 500
     crossed: float = 0.9  # judgement: of frames in which a left point lies to the right of its fellow; legs cross too
     apart_m: float = 0.03  # judgement: two that are nearer say not which is left

@@ -33,6 +33,13 @@ class Supporting:
         "of a motor's torque that the model may miss in a motion: nothing is known of it, only its change tells",
         judgement(DRIFTS),
     )
+    drift_most: float = criterion(
+        2.58,
+        "std",
+        "of what is declared, by which repetitions may differ before they tell less of a motor: the model misses "
+        "something that is another in each",
+        derived("normal distribution, one in a hundred, as `judging.declared_most`"),
+    )
     drift_samples: int = criterion(
         50, "samples", "of a joint in steady motion, below which a run says nothing of its motor", judgement(DRIFTS)
     )

@@ -19,6 +19,7 @@ from exogauge.errors import BadInput, Fault
 
 LINEAR = "linear"
 AND = "+"  # between laws that a band has at once
+SPRING = "It pulls in proportion to its stretch, and is slack below its natural length."
 
 
 @final
@@ -61,6 +62,10 @@ class BandLaw:
             return tuple(float(given[each.name] or 0.0) for each in names)
 
         return [(effect, of(effect.shapes), of(effect.coefficients)) for effect in self.effects]
+
+    @property
+    def sentence(self) -> str:
+        return " ".join(effect.sentence for effect in self.effects) or SPRING
 
     @property
     def per_segment(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import final
@@ -156,6 +156,14 @@ class Identification:
         names = tuple(each.name for each in self.parameters if not each.name.startswith(loads))
         parameters = tuple(replace(each, identifiable=False) for each in self.parameters)
         return replace(self, parameters=parameters, unidentifiable=names)
+
+    def with_undecided(self, joints: Collection[str]) -> Identification:
+        """The same, where no parameter of these joints counts as decided by the data."""
+        of = tuple(f"[{joint}]" for joint in joints)
+        there = [each for each in self.parameters if each.name.endswith(of)] if of else []
+        parameters = tuple(replace(e, identifiable=False) if e in there else e for e in self.parameters)
+        names = tuple(each.name for each in there if each.name not in self.unidentifiable)
+        return replace(self, parameters=parameters, unidentifiable=(*self.unidentifiable, *names))
 
     def by_stated_constants(self) -> Identification:
         """The same with torques and their errors as the stated k_T make them of the currents (`per_stated`)."""

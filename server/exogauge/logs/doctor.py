@@ -21,6 +21,8 @@ RULES: tuple[Rule, ...] = (
     signal_rules.coarse_or_noisy,
     signal_rules.stored_low_passed,
     joint_rules.joint_missing,
+    joint_rules.counts,
+    joint_rules.sign_lost,
     joint_rules.jumps,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,

@@ -33,11 +33,51 @@ def joint_missing(log: Log, expected: Expectation) -> Iterator[Finding]:
                 yield Finding("warning", channel, "joint_missing", "is expected but not in the log", advice)
 
 
+def counts(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """A position that is never between whole numbers is told in counts: no joint stops at each radian."""
+    for joint, values in joint_channels(log, "q").items():
+        if not _whole(values, expected.criteria):
+            continue
+        low, high = np.nanmin(values), np.nanmax(values)
+        detail = f"takes whole numbers alone, from {low:.5g} to {high:.5g}: counts of an encoder?"
+        advice = (
+            "state in a mapping what one count is, `scale`: 2 pi by the counts of a turn, and by the gear's ratio "
+            "where the encoder sits at the motor"
+        )
+        yield Finding("error", f"q.{joint}", "counts", detail, advice, value=float(high - low))
+
+
+def _whole(values: Array, criteria: Examining) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(np.all(known == np.round(known))) and len(np.unique(known)) >= criteria.whole_numbers
+
+
+def sign_lost(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """An effort that comes to zero time and again, as near as its steps and noise let it, and never goes beyond, while
+    its joint moves."""
+    criteria, moves = expected.criteria, joint_channels(log, "q")
+    for channel, joint, values in (
+        (f"{kind}.{j}", j, v) for kind in ("i", "tau") for j, v in joint_channels(log, kind).items()
+    ):
+        low, high = np.nanmin(values, initial=0.0), np.nanmax(values, initial=0.0)
+        if low < 0.0 < high or not (varies(values) and joint in moves and varies(moves[joint])):
+            continue
+        size = np.abs(values)
+        at_zero = np.flatnonzero((size > 0.0) & (size <= np.nanmedian(np.abs(np.diff(values)))))
+        visits = np.count_nonzero(np.diff(at_zero) > criteria.around) + 1
+        if len(at_zero) < criteria.at_zero or visits < criteria.visits:
+            continue
+        side = "negative" if high > 0.0 else "positive"
+        detail = f"comes to zero {visits} times, within what it changes from sample to sample, and is never {side}"
+        advice = "is it the size alone? Log it with its sign"
+        yield Finding("error", channel, "sign_lost", detail, advice, value=float(visits))
+
+
 def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
     """Positions beyond the joint's limits; or 57 times, or the gear, too large: then degrees, or the motor's."""
     for joint, values in joint_channels(log, "q").items():
         limits = expected.joints.get(joint)
-        if limits is None or not np.isfinite(values).any():
+        if limits is None or not np.isfinite(values).any() or _whole(values, expected.criteria):
             continue
         span = limits.upper - limits.lower
         margin = 0.02 * span + 0.01 if np.isfinite(span) else 0.05

@@ -14,7 +14,18 @@ from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-DOUBTS = ("rate_doubt", "unit_doubt", "duplicates", "exchanged", "held", "joined", "slips", "leaps")
+DOUBTS = (
+    "rate_doubt",
+    "unit_doubt",
+    "duplicates",
+    "far_away",
+    "exchanged",
+    "held",
+    "joined",
+    "slips",
+    "strays",
+    "leaps",
+)
 """Keys of `told` that whoever fits or retargets the motion has to read too."""
 
 

@@ -4,6 +4,7 @@ were held, captures that were joined."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,12 +39,16 @@ def sort_out(names: Sequence[str], position: Array, rate: float, segment: Mappin
         )
     for leap in leaps.values():
         leap[cuts] = 0.0
-    if back := put_back(position, leaps):
+    if back := put_back(position, leaps) | neighbours_put_back(position, list(parts.values())):
         told["exchanged"] = "; ".join(f"{names[i]} and {names[j]} {_when(frames, rate)}: put back"
                                       for (i, j), frames in back.items())  # fmt: skip
     if away := aside(leaps):
         told["slips"] = _words(names, away, rate)
         _lose(position, away)
+    trunk = [points for part, points in parts.items() if part in ("pelvis", "thorax")]
+    if stray := strays(position, rate, trunk):
+        told["strays"] = "; ".join(f"{names[n]} by {100.0 * by:.1f} cm at {(t + 1) / rate:.2f} s"
+                                   for n, (t, by) in stray.items())  # fmt: skip
     return told
 
 
@@ -59,8 +64,8 @@ def leap_of_bones(names: Sequence[str], position: Array, rate: float) -> str | N
     return f"{names[first]} is {far:.2g} m elsewhere from {steps[0] / rate:.2f} s to the next frame{more}"
 
 
-def rate_doubt(trunk: Array, rate: float, criteria: MotionImport = USUAL) -> str | None:
-    """Why `rate` [Hz] is none at which a person moved so. trunk: (T, N, 3) [m] points of it."""
+def rate_doubt(trunk: Array, feet: Array, rate: float, criteria: MotionImport = USUAL) -> str | None:
+    """Why `rate` [Hz] is none at which a person moved so. trunk, feet: (T, ., 3) [m] points of them."""
     low, high = criteria.usual_hz
     if not low <= rate <= high:
         return f"{rate:.4g} frames a second: neither cameras nor suits run so"
@@ -70,7 +75,28 @@ def rate_doubt(trunk: Array, rate: float, criteria: MotionImport = USUAL) -> str
     rms = float(np.sqrt((np.where(known, fast, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)).max(initial=0.0)))
     if rms > criteria.fast_m_per_s2:
         return f"the trunk accelerates by {rms:.0f} m/s² (rms): nobody does at {rate:.4g} frames a second"
+    slowest = _comes_back(trunk, feet, rate, criteria)
+    if slowest is not None and slowest < criteria.slow_hz:
+        return (f"the trunk moves as what comes back every {1.0 / slowest:.0f} s: who does not do so on purpose is ten "
+                f"times as fast, and {rate:.4g} frames a second too few")  # fmt: skip
     return None
+
+
+def _comes_back(trunk: Array, feet: Array, rate: float, criteria: MotionImport) -> float | None:
+    """[Hz] at which the trunk moves over the feet: acceleration over speed, rms, over 2 π, over windows in which noise
+    is little. None of who hardly moves, of a short capture, and where no feet are seen."""
+    h, seen = round(criteria.slow_s * rate), np.isfinite(feet[..., 0])
+    if len(trunk) < 5 * h or not seen.any():
+        return None
+    count = seen.sum(axis=1)[:, None]
+    ground = np.where(seen[..., None], feet, 0.0).sum(axis=1) / np.where(count, count, np.nan)
+    way = trunk - ground[:, None]
+    speed, bend = (way[2 * h :] - way[: -2 * h]) / 2.0, way[2 * h :] - 2.0 * way[h:-h] + way[: -2 * h]
+    whole = np.isfinite(bend[..., 0]) & np.isfinite(speed[..., 0])
+    ever = way[:, np.isfinite(way[..., 0]).any(axis=0)]
+    if not whole.any() or (np.nanmax(ever, axis=0) - np.nanmin(ever, axis=0)).max() < criteria.moves_m:
+        return None
+    return float(np.sqrt(np.sum(bend[whole] ** 2) / np.sum(speed[whole] ** 2)) / (2.0 * np.pi * criteria.slow_s))
 
 
 def leaps_of(position: Array, rate: float, points: Sequence[int], criteria: MotionImport = USUAL) -> Leaps:
@@ -149,6 +175,50 @@ def put_back(position: Array, leaps: Leaps) -> dict[tuple[int, int], list[Stretc
         rows = np.flatnonzero(other)[:, None]
         position[rows, pair] = position[rows, pair[::-1]]
         found[pair] = _stretches(other)
+    return found
+
+
+def neighbours_put_back(
+    position: Array, parts: Sequence[Sequence[int]], criteria: MotionImport = USUAL
+) -> dict[tuple[int, int], list[Stretch]]:
+    """As `put_back`, of pairs on one part of the body that are nearer to each other than a leap: the way from one to
+    the other turns round from one frame to the next. parts: the points on each. `position` is changed."""
+    found = dict[tuple[int, int], list[Stretch]]()
+    for i, j in ((i, j) for points in parts for k, i in enumerate(points) for j in points[k + 1 :]):
+        way = position[:, j] - position[:, i]
+        with np.errstate(invalid="ignore"):
+            turned, straight = (np.linalg.norm(way[1:] + sign * way[:-1], axis=1) for sign in (1.0, -1.0))
+            steps = np.flatnonzero((turned < criteria.lands * straight) & (straight > criteria.apart_least_m))
+        if not len(steps):
+            continue
+        other = np.zeros(len(position), dtype=bool)
+        for step in steps:
+            other[step + 1 :] ^= True
+        if other.mean() > 0.5:
+            other = ~other
+        rows = np.flatnonzero(other)[:, None]
+        position[rows, [i, j]] = position[rows, [j, i]]
+        found[i, j] = _stretches(other)
+    return found
+
+
+def strays(
+    position: Array, rate: float, parts: Sequence[Sequence[int]], criteria: MotionImport = USUAL
+) -> dict[int, tuple[int, float]]:
+    """Points that leap against the others on their part, less far than what is taken for a slip: the step and [m], of
+    each the largest. parts: the points on each, of `position` (T, N, 3)."""
+    found, finer = dict[int, tuple[int, float]](), replace(criteria, leap_m=criteria.strays_m)
+    for points in parts:
+        if len(points) < 3:
+            continue
+        own = position[:, points]
+        beside = len(points) / (len(points) - 1.0) * (own - own.mean(axis=1, keepdims=True))  # from the others' middle
+        leaps = leaps_of(beside, rate, range(len(points)), finer)
+        far = {k: np.linalg.norm(leap, axis=1) for k, leap in leaps.items()}
+        for k, by in far.items():
+            t = int(by.argmax())
+            if by[t] == max(each[t] for each in far.values()):
+                found[points[k]] = t, float(by[t])
     return found
 
 

@@ -70,8 +70,13 @@ class Person:
         )  # fmt: skip
 
     def _refuse_what_is_none(self, kept: NDArray[np.bool_]) -> None:
-        """Raises BadMotion where, of what is kept (T,), pelvis or chest leap from a frame to the next or are not seen
-        for long."""
+        """Raises BadMotion where the person lies; where, of what is kept (T,), pelvis or chest leap from a frame to the
+        next or are not seen for long."""
+        upright = float(np.median(self.turn[:, 2, 2]))
+        if upright < USUAL.level:
+            detail = f"the pelvis lies: {np.degrees(np.arccos(upright)):.0f}° from upright in half of the frames"
+            advice = "Say which axis points up (--up); what somebody does who lies is none for two feet"
+            raise BadMotion(Fault(detail, "not_upright", advice, self.name, column="pelvis"))
         time = self.time[kept]
         rate = float((len(time) - 1) / (time[-1] - time[0]))
         reach = 0.5  # [m] a trunk's length: at its end a turn shows as a way

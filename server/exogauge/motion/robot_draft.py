@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from exogauge.criteria.motion_draft import USUAL
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.moving.robot import MotionRobot, Shape
+from exogauge.robots.moving.segments import LEFT
 from exogauge.robots.moving.touching import Pairs
 from exogauge.robots.urdf import model_text
 from exogauge.studies.import_log.robot_draft import drafted, slips
@@ -23,7 +24,7 @@ from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.moving_robot import shapes_of
 
 Array = NDArray[np.float64]
-ELBOW, LEFT = re.compile(r"elbow|(^|_)elb(_|\d|$)", re.I), re.compile(r"(^|_)l(eft)?(_|$)|^l(?=[A-Z])|left", re.I)
+ELBOW = re.compile(r"elbow|(^|_)elb(_|\d|$)", re.I)
 BODY = pin.FrameType.BODY
 UPRIGHT = {"x": "0 -1.570796 0", "-x": "0 1.570796 0", "y": "1.570796 0 0", "-y": "-1.570796 0 0",
            "-z": "3.141593 0 0"}  # fmt: skip

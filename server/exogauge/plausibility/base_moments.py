@@ -85,6 +85,7 @@ class OtherAxes:
 class Late:
     """Of one log. seconds: > 0 late. before, after: as in `Exchanged`, as it was read, and taken from that much later.
     shift: the place of the nearest among the snapshot's lags. of_imu: the base's motion is, else the contact sensors.
+    by_legs: before and after are of how the base turns by legs that stand (`late_gyro.py`).
     """
 
     seconds: float
@@ -92,6 +93,7 @@ class Late:
     after: float
     shift: int
     of_imu: bool = False
+    by_legs: bool = False
 
     def undo(self, seen: Snapshot) -> Snapshot:
         if self.of_imu:

@@ -27,6 +27,7 @@ from exogauge.plausibility.dead_position import DeadPosition, dead_positions
 from exogauge.plausibility.delay import Delay, find_delays, of_another_clock
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.imu_frame import directions, imu_rules, told_on_floor
+from exogauge.plausibility.late_gyro import alike, late_gyro
 from exogauge.plausibility.search import Slip, find_slips, gravity_left_out, reversed_efforts, unsure_signs
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.plausibility.soles import turned_leg
@@ -42,7 +43,7 @@ from exogauge.plausibility.told_as import (
     as_turned_leg,
     as_unit,
     as_unlike,
-    as_unsure_signs,
+    as_unsure_sign,
     as_zero,
 )
 from exogauge.plausibility.unlike import Unlike
@@ -80,6 +81,12 @@ def examine_against_robot(
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))
     seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
+    gyros = [late_gyro(robot, each) for each in seen]
+    every = alike(gyros, seen)
+    known = {one.log: late for one, late in zip(seen, gyros, strict=True) if late}
+    for name in [log.name for log in logs] if every else known:
+        yield name, as_late(known.get(name) or next(iter(known.values())), every)
+    seen = [late.undo(each) if late else each for late, each in zip(gyros, seen, strict=True)]
     unit = moment_unit(robot, seen)
     if unit is not None:
         seen = [unit.undo(each) for each in seen]
@@ -95,8 +102,8 @@ def examine_against_robot(
         seen = [points.undo(each) for each in seen]
         for log in logs:
             yield from ((log.name, finding) for finding in as_other_points(robot, points))
-    for place, one in enumerate(seen):
-        if late := late_imu_or_contacts(robot, one):
+    for place, (one, gyro) in enumerate(zip(seen, gyros, strict=True)):
+        if (late := late_imu_or_contacts(robot, one)) and not (gyro and late.of_imu):
             seen[place] = late.undo(one)
             yield one.log, as_late(late)
     if not any(joint.actuation != "none" for joint in robot.joints):
@@ -146,10 +153,8 @@ def _signs_and_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Fin
     """What is asked where nothing else was found."""
     if not expected:
         return
-    unsure = unsure_signs(robot, expected)
-    for better in (True, False):
-        if alike := [joint for joint, its in unsure.items() if its is better]:
-            yield as_unsure_signs(robot, alike, better)
+    for joint, better in unsure_signs(robot, expected).items():
+        yield as_unsure_sign(robot, joint, better)
     for zero in find_zeros(robot, expected):
         yield as_zero(robot, zero)
 
@@ -164,9 +169,12 @@ def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[
     return [logs[k] for k in sorted(chosen)]
 
 
-def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None) -> Iterator[tuple[str, Finding]]:
+def examine_worn(
+    robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None, imu_late_s: float | None = None
+) -> Iterator[tuple[str, Finding]]:
     """(name of the log, finding) of logs with a device on: what feet and IMU tell of the base, in whose balance no band
-    and no motor is. What a joint bears is a device's too: no more is told of it than a sign."""
+    and no motor is. What a joint bears is a device's too: no more is told of it than a sign. imu_late_s: by which the
+    IMU is late in all other logs."""
     criteria = criteria or Comparing()
     for log, seen in zip(logs, side_by_side(partial(take, robot, criteria=criteria), logs), strict=True):
         yield from ((log.name, finding) for finding in half_measured(robot, log))
@@ -178,8 +186,9 @@ def examine_worn(robot: Robot, logs: Sequence[Log], criteria: Comparing | None =
             yield log.name, turned[log.name]
         elif sides := exchanged_contacts(robot, [seen]):
             yield log.name, as_exchanged(robot, sides)
-        elif late := late_imu_or_contacts(robot, seen):
-            yield log.name, as_late(late)
+        elif late := late_gyro(robot, seen) or late_imu_or_contacts(robot, seen):
+            as_others = imu_late_s is not None and abs(late.seconds - imu_late_s) < criteria.delay_least_s
+            yield log.name, as_late(late, alike=late.of_imu and as_others)
         elif points := other_points(robot, [seen]):
             yield from ((log.name, finding) for finding in as_other_points(robot, points))
         else:

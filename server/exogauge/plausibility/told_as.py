@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -27,8 +27,8 @@ from exogauge.robots.description import Robot
 
 OTHER_CLOCK, EFFORT_DELAY = "effort_clock", "effort_delay"
 WRENCH_CLOCK = "wrench_clock"
-IMU_CLOCK = "imu_clock"
-MOVED_ZERO = "zero_moved"
+IMU_CLOCK, IMU_LATE = "imu_clock", "imu_late"
+MOVED_ZERO, UNSURE_SIGN = "zero_moved", "sign_unsure"
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
     "position_reversed": (
@@ -107,17 +107,21 @@ def as_other_points(robot: Robot, points: OtherPoints) -> Iterator[Finding]:
             yield Finding("error", f"ft.{sensor.name}", "wrench_point", detail, advice, value=distance)
 
 
-def as_late(late: Late) -> Finding:
+def as_late(late: Late, alike: bool = False) -> Finding:
+    """alike: an IMU in every log, by as little as the effect `imu_delay` can name."""
+    by = "how the contacts' moments about the base change no body near its description asks for as it is"
+    if late.by_legs:
+        by = "how the base turns by the legs that stand the gyro does not tell as it is"
     detail = (
         f"come {1000.0 * abs(late.seconds):.0f} ms {'late' if late.seconds > 0.0 else 'early'} against the positions: "
-        f"{100 * late.before:.0f} % of how the contacts' moments about the base change no body near its description "
-        f"asks for as it is, and {100 * late.after:.0f} % so"
+        f"{100 * late.before:.0f} % of {by}, and {100 * late.after:.0f} % so"
     )
     if late.of_imu:
         advice = (
             "is the IMU of another clock? In a mapping name its file, or the file once more for it, with a `delay_s`"
         )
-        return Finding("warning", "acc", IMU_CLOCK, f"and gyro {detail}", advice, value=late.seconds)
+        rule = IMU_LATE if alike else IMU_CLOCK
+        return Finding("warning", "acc", rule, f"and gyro {detail}", advice, value=late.seconds)
     advice = "are they of another clock? In a mapping name their file with a `delay_s`"
     return Finding("warning", "ft.*", WRENCH_CLOCK, detail, advice, value=late.seconds)
 
@@ -224,16 +228,14 @@ def _as_gravity(robot: Robot, slip: Slip, up: tuple[float, ...]) -> Finding:
     return Finding("error", "base", slip.remedy.rule, detail, advice, value=slip.remedy.value)
 
 
-def as_unsure_signs(robot: Robot, joints: Sequence[int], better: bool) -> Finding:
-    """On the first joint. better: with both signs turned they fit better, though not surely."""
-    names = [f"q.{robot.joints[j].name}" for j in joints]
-    also = f", and alike of {', '.join(names[1:])}" if len(names) > 1 else ""
+def as_unsure_sign(robot: Robot, joint: int, better: bool) -> Finding:
+    """better: with both signs turned they fit better, though not surely."""
     detail = (
-        f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned{also}: whether "
-        "they are right these logs do not tell"
+        f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned: whether they are "
+        "right these logs do not tell, and no parameter of the joint counts as decided"
     )
     advice = "look which way it turns as its angle grows, or record it with a weight beside its axis"
-    return Finding("warning" if better else "note", names[0], "sign_unsure", detail, advice)
+    return Finding("warning" if better else "note", f"q.{robot.joints[joint].name}", UNSURE_SIGN, detail, advice)
 
 
 def as_dead(robot: Robot, dead: DeadPosition) -> Finding:

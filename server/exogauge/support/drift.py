@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
+from exogauge.criteria.supporting import Supporting
 from exogauge.identification.disturbances import DRIFTS, ZERO, drift_columns
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
@@ -136,7 +137,7 @@ def find_drift(
         ) if chosen else None  # fmt: skip
         runs.append(own)
     sizes_of_courses = np.repeat(declared[:, :, None], R, axis=2) / np.sqrt(R)
-    beta, root, common = told_by(runs, sizes_of_courses, model.criteria.support.drift_missed)
+    beta, root, common = told_by(runs, sizes_of_courses, model.criteria.support)
     return Drift(tuple(sizes), logs, course, beta, root, common, np.array([each is not None for each in runs]))
 
 
@@ -163,13 +164,12 @@ class Runs:
     covariance: Array
 
 
-def told_by(runs: Sequence[Runs | None], sizes: Array, missed: float) -> tuple[Array, Array, Array]:
+def told_by(runs: Sequence[Runs | None], sizes: Array, criteria: Supporting) -> tuple[Array, Array, Array]:
     """(A, K, R) beta, (A, K R, K R) the root of the covariance that is each motor's own, (A, K R, K R) of what they
-    have in common. runs: of each motor, None where they say nothing. sizes: (A, K, R) what beta is believed to be,
-    missed: the same of m."""
+    have in common. runs: of each motor, None where they say nothing. sizes: (A, K, R) what beta is believed to be."""
     A, K, R = sizes.shape
     flat, alike = sizes.reshape(A, K * R), DECLARED.motors_alike
-    own = [None if each is None else _Told.of(each, size, missed) for each, size in zip(runs, flat, strict=True)]
+    own = [None if each is None else _Told.of(each, size, criteria) for each, size in zip(runs, flat, strict=True)]
     known = [each for each in own if each is not None]
     about = np.eye(K * R) + sum((each.of_common.T @ np.linalg.solve(each.S, each.of_common) for each in known), 0.0)
     pulled = sum((each.of_common.T @ np.linalg.solve(each.S, each.z) for each in known), np.zeros(K * R))
@@ -199,14 +199,15 @@ class _Told:
     gain: Array
 
     @staticmethod
-    def of(runs: Runs, size: Array, missed: float) -> _Told:
-        """A drift whose repetitions scatter more than they say counts less (Birge). size: (K R,)."""
+    def of(runs: Runs, size: Array, criteria: Supporting) -> _Told:
+        """A drift whose repetitions scatter more than they say counts less (Birge), and so does one that is larger than
+        what is declared allows: the model misses something that is another in each repetition. size: (K R,)."""
         K, names, alike = runs.share.shape[1], list(dict.fromkeys(runs.motions)), DECLARED.motors_alike
         M = np.array([[motion == name for name in names] for motion in runs.motions], dtype=np.float64)
         told = np.isfinite(runs.share)
         of_beta, of_missed = (
             np.concatenate([np.kron(np.eye(K), each)[None] for each in slopes])[told] * scale
-            for slopes, scale in ((runs.course, size), (M, missed))
+            for slopes, scale in ((runs.course, size), (M, criteria.drift_missed))
         )
         which, kind = np.nonzero(told)
         noise = np.where(which[:, None] == which, runs.covariance[which[:, None], kind[:, None], kind], 0.0)
@@ -220,9 +221,25 @@ class _Told:
                 free = int(one.sum()) - len({runs.motions[each] for each in which[one]}) - 1
                 if free > 0:
                     scale[k] = max(1.0, float(np.sum(e[one] ** 2 / np.diag(noise)[one])) / free)
+        every = of_beta @ of_beta.T + believed
+        for k in range(K):
+            one = kind == k
+            free = int(one.sum()) - len({runs.motions[each] for each in which[one]})
+            scale[k] *= _widened(
+                z[one], every[np.ix_(one, one)], scale[k] * noise[np.ix_(one, one)], free * criteria.drift_most**2
+            )
+        scaled = noise * np.sqrt(np.outer(scale[kind], scale[kind]))
         S = (1.0 - alike) * of_beta @ of_beta.T + believed + scaled
         own = (1.0 - alike) * of_beta * size
         return _Told(z, S, np.sqrt(alike) * of_beta, own, np.linalg.solve(S, own).T)
+
+
+def _widened(z: Array, believed: Array, noise: Array, most: float) -> float:
+    """By which the variance of noise has to grow for (n,) values to be no more unlikely than that: zᵀ S⁻¹ z."""
+    factor = 1.0
+    while most > 0.0 and (unlikely := float(z @ np.linalg.solve(believed + factor * noise, z))) > most:
+        factor *= max(unlikely / most, 1.1)
+    return factor
 
 
 def _root(covariance: Array) -> Array:

@@ -38,6 +38,8 @@ export type DeviceSummary = {
 };
 export type Device = Omit<Schemas["DeviceOut"], "summary"> & { summary: DeviceSummary };
 
+export type BandLaw = Schemas["LawOut"];
+
 const PAGE = 100;
 
 /** Newest first; each version is one of them. */
@@ -59,6 +61,16 @@ export function useDevice(id: string) {
     staleTime: Infinity,
     queryFn: ({ signal }) =>
       answer(api.GET("/api/v1/devices/{device_id}", { params: { path: { device_id: id } }, signal })) as Promise<Device>,
+  });
+}
+
+/** How a band may pull, as device.yaml says it. */
+export function useBandLaws() {
+  return useQuery({
+    queryKey: ["band-laws"],
+    staleTime: Infinity,
+    queryFn: ({ signal }) => answer(api.GET("/api/v1/band-laws", { signal })),
+    select: ({ laws }) => laws,
   });
 }
 

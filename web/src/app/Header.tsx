@@ -1,4 +1,4 @@
-import { Link, NavLink } from "react-router";
+import { Link, NavLink, useLocation } from "react-router";
 
 import { useSession } from "../api/session";
 import { AccountMenu } from "./AccountMenu";
@@ -18,6 +18,7 @@ const PLACES = [
 
 export function Header() {
   const { data: session } = useSession();
+  const { pathname } = useLocation();
   const outside = session?.accounts === true && !session.account;
   return (
     <header className={styles.header}>
@@ -31,9 +32,15 @@ export function Header() {
             <ul className={styles.links}>
               {PLACES.map(([to, name]) => (
                 <li key={to}>
-                  <NavLink to={to} className={styles.link}>
-                    {name}
-                  </NavLink>
+                  {to === "/motions" && pathname.startsWith("/plans/") ? (
+                    <Link to={to} className={styles.link} aria-current="page">
+                      {name}
+                    </Link>
+                  ) : (
+                    <NavLink to={to} className={styles.link}>
+                      {name}
+                    </NavLink>
+                  )}
                 </li>
               ))}
             </ul>

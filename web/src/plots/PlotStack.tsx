@@ -93,7 +93,7 @@ export function PlotStack({ source, series, view, first, cursor, motion = false,
         <ExportMenu source={source} log={series.name} panels={shown} hidden={view.hide} doubts={view.doubts} window={window} />
       </PlotTools>
       <Text size="xs" c="dimmed">
-        Drag across a plot to zoom, double-click for the whole log. In a plot: ← → move the cursor (Shift: ten times as
+        Drag across a plot to zoom, double-click for all of it. In a plot: ← → move the cursor (Shift: ten times as
         far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window.
         {doubtful && " A wide shade: the joint rests, and friction leaves an interval only."}
       </Text>

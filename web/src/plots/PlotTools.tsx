@@ -34,7 +34,7 @@ export function PlotTools({ window, whole, cursor, onWindow, children }: Props) 
           disabled={all}
           onClick={() => onWindow(whole)}
         >
-          Whole log
+          Whole time
         </Button>
       </Group>
       <Text size="sm" c="dimmed" aria-live="polite" data-testid="window">

@@ -7,6 +7,7 @@ import type { RawLine } from "./raw";
 export function shownUnit(name: string, unit: string): [unit: string, scale: number] {
   if (unit === "rad") return ["°", 180 / Math.PI];
   if (unit === "m" && name.startsWith("margin.")) return ["mm", 1e3];
+  if (name.startsWith("bound.")) return ["%", 1e2];
   return [unit, 1];
 }
 

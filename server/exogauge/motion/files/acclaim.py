@@ -82,7 +82,7 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
         if words[0].startswith(":"):
             section = words[0][1:].lower()
         elif section == "units" and words[0] == "length":
-            unit = METRES["in"] / number(path, " ".join(words[1:]), row, "length")
+            unit = METRES["in"] / _length(path, words[1:], row, least=1e-6)
         elif section == "units" and words[0] == "angle":
             degrees = words[1].lower().startswith("deg")
         elif section == "root" and words[0] == "order":
@@ -101,7 +101,7 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
                 raise fault(path, "this axis cannot be read", "bad_axis", "Three numbers, in the order XYZ", row=row)
             setattr(now, words[0], np.array([number(path, word, row, words[0]) for word in words[1:4]]))
         elif section == "bonedata" and words[0] == "length":
-            now.length = number(path, words[1], row, "length")
+            now.length = _length(path, words[1:], row)
         elif section == "bonedata" and words[0] == "dof":
             now.dof = _dof(path, words[1:], row)
         elif section == "hierarchy" and words[0] not in ("begin", "end"):
@@ -109,6 +109,14 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
     if len(bones) < 2 or not hierarchy:
         raise fault(path, "no bones are described", "not_asf", "An ASF file has :bonedata and :hierarchy")
     return unit, degrees, bones, hierarchy
+
+
+def _length(path: Path, words: list[str], row: int, least: float = 0.0) -> float:
+    value = number(path, " ".join(words), row, "length")
+    if value < least:
+        raise fault(path, "no length is so short", "bad_length", "Give the ASF file as it was exported", row=row,
+                    column="length", value=f"{value:g}")  # fmt: skip
+    return value
 
 
 def _dof(path: Path, words: list[str], row: int) -> list[str]:
@@ -136,7 +144,7 @@ def _ordered(path: Path, hierarchy: dict[str, str]) -> list[str]:
 def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, list[float]]]]:
     """deg, rad or nothing, as the head says; numbers by bone."""
     frames: list[dict[str, list[float]]] = []
-    unit, first = "", 1
+    unit, first, begun = "", 1, list[int]()
     lines = lines_of(path)
     moved = {name for name, bone in bones.items() if bone.dof}
     for row, line in enumerate(lines, start=1):
@@ -150,6 +158,7 @@ def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, li
                 raise fault(path, f"frame {first + len(frames)} is missing", "frame_count", "Export the file again",
                             row=row, value=words[0])  # fmt: skip
             frames.append({})
+            begun.append(row)
             continue
         if words[0] not in moved or not frames:
             raise fault(path, f"the skeleton has no moving bone {words[0]!r}", "other_bones",
@@ -158,10 +167,14 @@ def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[str, list[dict[str, li
         if len(words) - 1 != len(dof):
             raise fault(path, f"{len(words) - 1} numbers for {dof}", "other_bones", "Give the ASF file of this person",
                         row=row, column=words[0])  # fmt: skip
+        if words[0] in frames[-1]:
+            raise fault(path, f"bone {words[0]!r} stands twice in frame {first + len(frames) - 1}", "bone_twice",
+                        "Export the file again", row=row, column=words[0])  # fmt: skip
         frames[-1][words[0]] = [number(path, word, row, words[0]) for word in words[1:]]
     short = next((k for k, frame in enumerate(frames) if set(frame) != moved), None)
     if not frames or short is not None:
         lost = sorted(moved - set(frames[short])) if short is not None else []
-        raise fault(path, f"frame {(short or 0) + 1} lacks bones: {', '.join(lost[:3]) or 'all'}", "frame_cut",
-                    "The file was cut off, or belongs to another skeleton", row=len(lines))  # fmt: skip
+        raise fault(path, f"frame {(short or 0) + first} lacks bones: {', '.join(lost[:3]) or 'all'}", "frame_cut",
+                    "The file was cut off, or belongs to another skeleton",
+                    row=len(lines) if short in (None, len(frames) - 1) else begun[short])  # fmt: skip
     return unit, frames

@@ -83,12 +83,12 @@ def fault(
 
 
 def number(path: Path, text: str, row: int | None, column: str) -> float:
-    """A finite number. row counts the file's lines from 1."""
+    """A number, finite and no larger than any that is written. row counts the file's lines from 1."""
     try:
         value = float(text)
     except ValueError:
         value = np.nan
-    if not np.isfinite(value):
+    if not abs(value) < USUAL.largest_number:
         advice = "Export it with decimal points" if "," in text else "Export the file again"
         raise fault(path, "this is no number", "not_a_number", advice, row=row, column=column, value=text)
     return value
@@ -108,6 +108,9 @@ def even_time(path: Path, time: Array, row: int = 1) -> Array:
     if len(time) < 2:
         raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
     even = np.linspace(0.0, time[-1] - time[0], len(time))
+    if 0.0 < even[1] < USUAL.shortest_frame_s:
+        raise fault(path, f"a frame lasts {even[1]:.3g} s", "fast_clock", "Export it with the rate of the cameras",
+                    column="time", value=f"{even[1]:g}")  # fmt: skip
     if even[1] > USUAL.longest_frame_s:
         raise fault(path, f"a frame lasts {even[1]:.3g} s", "slow_clock", "Time is in seconds", column="time",
                     value=f"{even[1]:g}")  # fmt: skip

@@ -241,7 +241,8 @@ def _doubted(motion: HumanMotion, points: Array) -> HumanMotion:
     trunk = [k for k, name in enumerate(names) if whole.segment.get(name) in ("pelvis", "thorax", "head")]
     doubts = {"sides_doubt": sides_doubt(motion)}
     if not {"leaps", "joined"} & set(motion.told):
-        doubts["rate_doubt"] = rate_doubt(points[:, trunk], motion.rate)
+        feet = [k for k, name in enumerate(names) if whole.segment.get(name) in ("l_foot", "r_foot")]
+        doubts["rate_doubt"] = rate_doubt(points[:, trunk], points[:, feet], motion.rate)
     return replace(motion, told={**motion.told, **{key: words for key, words in doubts.items() if words is not None}})
 
 
@@ -252,15 +253,16 @@ def _reach(points: Array) -> Array:
 
 
 def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segment]) -> Array | None:
-    """(T', 3) from the feet to the head, or to the thorax where no head is known, in frames that show both."""
+    """(T', 3) from the feet to the head, or to the thorax where no head is known, in some frames that show both."""
     of = {part: [k for k, name in enumerate(names) if segment.get(name, "").endswith(part)]
           for part in ("foot", "shank", "thorax", "head")}  # fmt: skip
     below, above = of["foot"] or of["shank"], of["head"] or of["thorax"]
     if not below or not above:
         return None
     seen = np.isfinite(points[..., 0])
-    both = seen[:, below].any(axis=1) & seen[:, above].any(axis=1)
-    way = np.nanmean(points[both][:, above], axis=1) - np.nanmean(points[both][:, below], axis=1)
+    both = np.flatnonzero(seen[:, below].any(axis=1) & seen[:, above].any(axis=1))
+    some = both[:: max(1, len(both) // USUAL.looked_at)]  # medians: one marker in another unit is not the body
+    way = np.nanmedian(points[some][:, above], axis=1) - np.nanmedian(points[some][:, below], axis=1)
     return way if len(way) else None
 
 
@@ -269,13 +271,17 @@ def _up(
 ) -> tuple[Array, str]:
     if stated is not None and stated.lower() not in AXES:
         raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
+    mean = np.zeros(3) if tall is None else np.median(tall, axis=0)
+    k = int(np.abs(mean).argmax())
+    along = np.sign(mean[k]) * np.eye(3)[k] if abs(mean[k]) > USUAL.upright * np.linalg.norm(mean) else None
     if stated is not None:
-        return AXES[stated.lower()], f"stated: {stated.lower()}"
+        axis = AXES[stated.lower()]
+        if along is not None and along @ axis < USUAL.level:
+            return axis, f"stated: {stated.lower()}, though feet to head lie along {_name(along)}"
+        return axis, f"stated: {stated.lower()}"
     if captured.up is not None:
-        mean = np.zeros(3) if tall is None else np.median(tall, axis=0)
-        k = int(np.abs(mean).argmax())
-        if abs(mean[k]) > USUAL.upright * np.linalg.norm(mean) and not mean[k] * captured.up[k] > 0.0:
-            seen, read = _name(np.sign(mean[k]) * np.eye(3)[k]), _name(captured.up)
+        if along is not None and not along @ captured.up > 0.0:
+            seen, read = _name(along), _name(captured.up)
             raise fault(path, f"the file says that {read} points up, and feet to head lie along {seen}", "other_up",
                         f"Say which way is up: {seen}, or {read} of somebody who lies", column="up",
                         value=read)  # fmt: skip
@@ -288,13 +294,10 @@ def _up(
         detail = "which way is up is neither said nor seen: no names of feet and head or chest are known"
         advice = "Say what yours are called elsewhere (`names`, --name OWN=KNOWN), or up = x, y or z"
         raise fault(path, detail, "no_up_axis", advice, column="up", value=", ".join(unknown[:8]) or None)
-    mean = np.median(tall, axis=0)
-    k = int(np.abs(mean).argmax())
-    if abs(mean[k]) < USUAL.upright * np.linalg.norm(mean):
+    if along is None:
         raise fault(path, "feet and head lie along no single axis", "no_up_axis", "Say which way is up: x, y or z",
                     column="up", value=", ".join(f"{each:.3g}" for each in mean))  # fmt: skip
-    axis = np.sign(mean[k]) * np.eye(3)[k]
-    return axis, f"guessed: {_name(axis)}, from the feet to the head"
+    return along, f"guessed: {_name(along)}, from the feet to the head"
 
 
 def _metres(path: Path, captured: Captured, stated: str | None, height: float) -> tuple[float, str]:

@@ -75,6 +75,12 @@ class HumanBody:
         return moves
 
     @cached_property
+    def axes(self) -> tuple[Indices, Array]:
+        """(K,) which axis of its part a joint has, and (K,) ±1: which way."""
+        along = np.abs(self.axis).argmax(axis=1)
+        return along, self.axis[np.arange(len(along)), along]
+
+    @cached_property
     def reach(self) -> Array:
         """(2, K) [rad or m] from where to where a joint may turn; infinite where nothing is said."""
         spans = [next((span for end, span in REACH.items() if name[2:] == end), (-np.inf, np.inf))

@@ -17,6 +17,7 @@ from exogauge.motion.fit.observed import Observed, at_frames, observe, standing,
 from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.fit.shared import Shared, shared_fit
 from exogauge.motion.fit.start import JOINTS, TURNS, leaning, postures, settled, without_jumps
+from exogauge.motion.fit.static_trial import refuse_no_static
 from exogauge.motion.fit.track import track
 from exogauge.motion.human import DOUBTS, HumanMotion
 from exogauge.motion.sides import refuse_exchanged
@@ -35,6 +36,8 @@ def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: 
         detail, advice = f"no body is fitted to more than {criteria.most_frames} frames", "Cut the motion"
         raise BadMotion(Fault(detail, "too_long", advice, motion.name, value=str(len(motion.time))))
     refuse_exchanged(motion)
+    if static is not None:
+        refuse_no_static(motion, static, criteria)
     fit, off = _fitted(motion, static, criteria)
     told = {key: motion.told[key] for key in DOUBTS if key in motion.told}
     fit = replace(fit, told=told | dict(fit.told))

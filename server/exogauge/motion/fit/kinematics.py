@@ -38,21 +38,11 @@ class Pose:
 
 def pose(body: HumanBody, q: Array, scale: Array) -> Pose:
     """q: (T, K) [m, rad]; scale: (S,)."""
+    from exogauge.loops.body import move_body
+
     R, p = np.empty((*q.shape, 3, 3)), np.empty((*q.shape, 3))
-    for k, parent in enumerate(body.parent):
-        t = body.offset[k] * scale[body.stretch[k]]
-        R_p = R[:, parent] if parent >= 0 else np.broadcast_to(np.eye(3), (len(q), 3, 3))
-        p[:, k] = (p[:, parent] if parent >= 0 else 0.0) + R_p @ t
-        if body.prismatic[k]:
-            R[:, k] = R_p
-            p[:, k] += q[:, k, None] * (R_p @ body.axis[k])
-            continue
-        a = int(np.abs(body.axis[k]).argmax())
-        b, c = (a + 1) % 3, (a + 2) % 3
-        cos, sin = np.cos(q[:, k, None]), np.sin(q[:, k, None]) * body.axis[k, a]
-        R[:, k, :, a] = R_p[..., a]
-        R[:, k, :, b] = R_p[..., b] * cos + R_p[..., c] * sin
-        R[:, k, :, c] = R_p[..., c] * cos - R_p[..., b] * sin
+    offset = body.offset * scale[body.stretch]
+    move_body(body.parent, body.prismatic, *body.axes, offset, np.cos(q), np.where(body.prismatic, q, np.sin(q)), R, p)
     return Pose(R, p)
 
 
@@ -106,58 +96,19 @@ def beyond(body: HumanBody, q: Array, sd: float) -> tuple[Array, Array]:
 
 
 def normal(body: HumanBody, at: Pose, points: Points, place: Array, left: Array, weight: Array) -> tuple[Array, Array]:
-    """JᵀWJ (K, K, T) and JᵀWr (K, T) of the slopes J of `place` (T, M, 3) and what is left of it, r (T, M, 3), without
+    """JᵀWJ (T, K, K) and JᵀWr (T, K) of the slopes J of `place` (T, M, 3) and what is left of it, r (T, M, 3), without
     the slopes themselves. weight: (T, M), 0 where a point is not seen; r is finite there.
 
     A slope is ω × p + v with the joint's own ω, v; so what two joints share are moments of the points that the upper
     one of them moves and the other one too, summed from the ends inwards (as inertias are: Featherstone 2008, 6.2).
     """
+    from exogauge.loops.body import normal_equations
+
     T, K = at.position.shape[:2]
-    here = at.position[:, [K - 1]]  # moments about a point of the body, for their digits
-    p, o = (np.ascontiguousarray(np.moveaxis(each - here, 0, 2)) for each in (place, at.position))  # (.., 3, T)
-    w, r = np.ascontiguousarray(weight.T), np.moveaxis(left, 0, 2) * weight.T[:, None]
-    moves = np.zeros((K, 6, T))  # ω, v
-    for k, axis in enumerate(body.axis):
-        a = int(np.abs(axis).argmax())
-        along = axis[a] * at.rotation[:, k, :, a].T
-        moves[k, 3:] = along if body.prismatic[k] else _cross(o[k], along)
-        if not body.prismatic[k]:
-            moves[k, :3] = along
-    mass, first, second, pull = np.zeros((K, T)), np.zeros((K, 3, T)), np.zeros((K, 3, 3, T)), np.zeros((K, 6, T))
-    for m, joint in enumerate(points.joint):
-        weighted = w[m] * p[m]
-        mass[joint] += w[m]
-        first[joint] += weighted
-        second[joint] += weighted[:, None] * p[m]
-        pull[joint, :3] += _cross(p[m], r[m])
-        pull[joint, 3:] += r[m]
-    A, g = np.zeros((K, K, T)), np.empty((K, T))
-    for k in reversed(range(K)):
-        above = int(body.parent[k])
-        if above >= 0:
-            for each in (mass, first, second, pull):
-                each[above] += each[k]
-        omega, v = moves[k, :3], moves[k, 3:]
-        g[k] = np.sum(moves[k] * pull[k], axis=0)
-        felt = _cross(omega, first[k]) + mass[k] * v
-        if not body.prismatic[k]:
-            square = second[k, 0, 0] + second[k, 1, 1] + second[k, 2, 2]
-            turned = square * omega - np.sum(second[k] * omega, axis=1) + _cross(first[k], v)
-        else:
-            turned = _cross(first[k], v)
-        for j in np.flatnonzero(body.above[k]):
-            other = moves[j]
-            A[j, k] = other[3] * felt[0] + other[4] * felt[1] + other[5] * felt[2]
-            if not body.prismatic[j]:
-                A[j, k] += other[0] * turned[0] + other[1] * turned[1] + other[2] * turned[2]
-            A[k, j] = A[j, k]
+    A, g = np.zeros((T, K, K)), np.empty((T, K))
+    axis, sign = body.axes
+    place, left, weight = (np.ascontiguousarray(each) for each in (place, left, weight))
+    normal_equations(
+        body.parent, body.prismatic, axis, sign, points.joint, at.rotation, at.position, place, left, weight, A, g
+    )
     return A, g
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Of (3, T) each."""
-    out = np.empty_like(b)
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.multiply(a[y], b[z], out=out[x])
-        out[x] -= a[z] * b[y]
-    return out

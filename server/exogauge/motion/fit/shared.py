@@ -42,7 +42,8 @@ def shared_fit(
 
     σ is estimated from what is left, over the degrees of freedom, and the fit repeated with it.
     q: (F, K) to start from. scale: (S,), offset: (M, 3) likewise. It has settled where what a step promises is less
-    than `to_go`, in σ²: all unknowns together would move by √to_go deviations.
+    than `to_go`, in σ²: all unknowns together would move by √to_go deviations; or where it gains less, though slopes
+    promise some more, as of an arm that swings to and fro about where its turns are one.
     """
     F, K = q.shape
     S, M = len(SCALES), len(observed.labels)
@@ -98,6 +99,7 @@ def shared_fit(
         damping *= 0.1 if share == 1.0 else 1.0
         if then > before * (1.0 + criteria.round_off):
             continue
+        gained = (before - then) / noise**2
         q, moved = q + share * dq, tried - z
         z = tried
         spent = F * K + len(z) - noise**2 * float(prior @ np.diag(inverse))
@@ -107,7 +109,9 @@ def shared_fit(
         found = max(criteria.least_noise, float(np.sqrt(np.sum(e**2) / free * _memory(e, rows, criteria))))
         step = max(np.abs(moved).max(), np.abs(share * dq).max())
         changed, noise = abs(found / noise - 1.0), found
-        near = promised < to_go * min(1.0, noise / criteria.real_noise) and changed < criteria.same_noise
+        enough = to_go * min(1.0, noise / criteria.real_noise)
+        swings = share == 1.0 and gained < enough and promised < criteria.swings * enough
+        near = (promised < enough or swings) and changed < criteria.same_noise
         if n > 1 and (step < criteria.settled or near or (step < criteria.nearly and changed < criteria.same_noise)):
             settled = True
             break

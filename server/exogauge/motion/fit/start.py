@@ -79,7 +79,7 @@ def _descended(
         cost = miss.sum(axis=1) + np.sum(weight * off**2 + out**2 * criteria.reach_sd**2, axis=1)
         A, g = normal(body, at, observed.points, place, r, w[going])
         left[going] = np.sqrt(miss)
-        return cost, np.moveaxis(A, 2, 0) + (weight + stiff)[:, :, None] * eye, g.T + weight * off - out
+        return cost, A + (weight + stiff)[:, :, None] * eye, g + weight * off - out
 
     left = np.zeros(seen.shape)
     cost, A, g = judged(q)

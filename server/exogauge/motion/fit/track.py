@@ -73,9 +73,9 @@ def _tracked(
             cost[part], A, down = _normal(body, observed, own, q[own], scale, offset)
             out, stiff = (noise**2 * each for each in beyond(body, q[own], criteria.reach_sd))
             cost[part] += np.sum(prior[own] * off**2 + (out * criteria.reach_sd / noise) ** 2, axis=1)
-            slope[part] = down.T + prior[own] * off - out
+            slope[part] = down + prior[own] * off - out
             for d in range(K):
-                band[d, part, : K - d] = np.einsum("kkt->tk", A[d:, : K - d])
+                band[d, part, : K - d] = np.einsum("tkk->tk", A[:, d:, : K - d])
             band[0, part] += prior[own] + stiff
         return cost, band, slope
 
@@ -140,7 +140,7 @@ def _join(matrix: Array, frames: Indices, T: int, smooth: float) -> None:
 def _normal(
     body: HumanBody, observed: Observed, part: Indices, q: Array, scale: Array, offset: Array
 ) -> tuple[Array, Array, Array]:
-    """rᵀr (T,), JᵀJ (K, K, T) and Jᵀr (K, T)."""
+    """rᵀr (T,), JᵀJ (T, K, K) and Jᵀr (T, K)."""
     seen = np.isfinite(observed.position[part, :, 0])
     at = pose(body, q, scale)
     place = places(at, observed.points, scale, offset)

@@ -124,10 +124,11 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     feet = _feet(robot, names, path.name)
     columns = table.read(["t", *(f"q.{name}" for name in known), *feet])
     for name, values in columns.items():
-        wrong = np.flatnonzero(~np.isfinite(values))
+        wrong = np.flatnonzero(~(np.abs(values) < IMPORT.largest_number))
         if len(wrong):
-            raise BadMotion(Fault("the cell is not a finite number", "not_a_number", "Correct it or cut the motion",
-                                  path.name, int(wrong[0]) + 1, name, str(values[wrong[0]])))  # fmt: skip
+            raise BadMotion(Fault("the cell is no finite number that a motion has", "not_a_number",
+                                  "Correct it or cut the motion", path.name, int(wrong[0]) + 1, name,
+                                  str(values[wrong[0]])))  # fmt: skip
     time = np.asarray(columns["t"], dtype=np.float64)
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(time) < FEWEST or len(back):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Literal
+
+LEFT = re.compile(r"(^|_)l(eft)?(_|$)|^l(?=[A-Z])|left", re.I)  # in the name of a link or joint of the left side
 
 Segment = Literal[
     "pelvis", "thorax", "head",

@@ -21,12 +21,14 @@ from exogauge.errors import BadRobot, Fault
 from exogauge.robots.description import Robot
 from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.moving.robot import LINK, Kind, MotionRobot, Shape, Sole, flat_model
-from exogauge.robots.moving.segments import Segment
+from exogauge.robots.moving.segments import LEFT, Segment
 from exogauge.robots.urdf_check import numbers, read_urdf
 from exogauge.studies.intake.contract import RobotFile, ShapeEntry
 from exogauge.studies.intake.mesh_files import Opener, load_mesh, mesh_opener
 
 Array = NDArray[np.float64]
+FLAT_M = 0.01  # judgement: by which soles at home stray from one floor; angles in whole degrees leave some mm
+SMALLEST_M2 = 1e-4  # judgement: a heel of 1 cm by 1 cm; corners on a line leave nothing
 # [rad] each way, of a joint that the URDF calls continuous: a judgement, as cables bear more or less; `type: revolute`
 # with limits in the URDF says otherwise. No criterion: it stands in for a limit of the robot that its maker left out.
 
@@ -83,6 +85,16 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
             advice = "Give a posture within the limits; where they are not the joint's, correct its <limit> in the URDF"
             raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", advice, f"home.{name}", f"{value:g}")
     soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
+    for k, sole in enumerate(soles):
+        if (wrong := _no_sole(sole)) is not None:
+            raise fault(wrong, "no_sole", "Corners of what stands on the floor, in order around", f"soles.{k}.outline",
+                        sole.link)  # fmt: skip
+    if len(soles) == 2:
+        if soles[0].link == soles[1].link:
+            raise fault("both soles are of one foot", "one_foot", "Name the other foot", "soles.1.link", soles[1].link)
+        if [bool(LEFT.search(sole.link)) for sole in soles] == [False, True]:
+            raise fault("the left foot is listed behind the right one", "right_first", "Name the left one first",
+                        "soles.0.link", soles[0].link)  # fmt: skip
     segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
     shapes, shapeless = shapes_of(urdf, entry.collision.shapes, mesh_opener(path.parent, beside=beside))
     made = MotionRobot(
@@ -95,11 +107,29 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     at = [pin.updateFramePlacement(model, made.data, made.frame(sole.link)).copy() for sole in soles]
     corners = [sole.outline @ pose.rotation.T + pose.translation for sole, pose in zip(soles, at, strict=True)]
     home[2] = -min(each[:, 2].min() for each in corners)
+    high = [float(each[:, 2].max() + home[2]) for each in corners]
+    if max(high) > FLAT_M:
+        k = int(np.argmax(high))
+        detail = f"at home a corner of this sole is {1e3 * high[k]:.0f} mm above the floor, on which the lowest stands"
+        raise fault(detail, "not_flat", "Correct `home`, by hips, knees and ankles, or the outline", f"soles.{k}",
+                    soles[k].link)  # fmt: skip
     soles = tuple(
         sole if pose.rotation[2] @ sole.axes[:, 2] > 0.0 else Sole(sole.link, sole.outline[::-1].copy())
         for sole, pose in zip(soles, at, strict=True)
     )
     return replace(made, soles=soles, home=home)
+
+
+def _no_sole(sole: Sole) -> str | None:
+    """Why nothing stands on it."""
+    spokes = sole.outline - sole.middle
+    areas = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=0))
+    whole = float(np.linalg.norm(areas, axis=1).sum())
+    if whole < SMALLEST_M2:
+        return f"the corners lie on a line: {1e4 * whole:.2g} cm² between them"
+    if np.linalg.norm(areas.sum(axis=0)) < 0.5 * whole:
+        return "the outline crosses itself"
+    return None
 
 
 SIZES: dict[str, tuple[str, ...]] = {

@@ -92,8 +92,7 @@ def read_yaml(
     try:
         return model.model_validate(content), content, []
     except ValidationError as invalid:
-        found = invalid.errors(include_url=False)[:MAX_FAULTS]
-        return None, content, [_fault(dict(item), model, node, file) for item in found]
+        return None, content, _faults(invalid.errors(include_url=False)[:MAX_FAULTS], model, node, file)
 
 
 @lru_cache(maxsize=8)
@@ -201,8 +200,25 @@ def _yaml_fault(problem: Exception, file: str) -> Fault:
     return Fault(f"not readable as YAML: {detail}", "not_yaml", "Check indentation, brackets and quotes.", file, row)
 
 
+def _faults(found: Sequence[Any], model: type[BaseModel], node: yaml.Node, file: str) -> list[Fault]:
+    """Of a value that may be of several kinds, what is wrong with it as the kind that it is."""
+    faults = [_fault(dict(item), model, node, file) for item in found]
+    other = {fault.column for fault in faults if not fault.rule.endswith("_type")}
+    kept = [
+        fault
+        for item, fault in zip(found, faults, strict=True)
+        if _as_one_of(item["loc"]) == item["loc"] or not fault.rule.endswith("_type") or fault.column not in other
+    ]
+    return list({(fault.column, fault.detail): fault for fault in kept}.values())
+
+
+def _as_one_of(pointer: Pointer) -> Pointer:
+    """Without what pydantic calls the kinds that a value may be of: `dict[...]`, which nobody wrote."""
+    return tuple(part for part in pointer if "[" not in str(part))
+
+
 def _fault(item: dict[str, Any], model: type[BaseModel], node: yaml.Node, file: str) -> Fault:
-    pointer: Pointer = item["loc"]
+    pointer = _as_one_of(item["loc"])
     advice = ""
     value = item.get("input")
     shown = None if isinstance(value, dict | list) else repr(value)[:80]

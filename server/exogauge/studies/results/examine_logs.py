@@ -25,7 +25,15 @@ from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
 from exogauge.plausibility.examine import examine_against_robot, examine_worn
-from exogauge.plausibility.told_as import EFFORT_DELAY, IMU_CLOCK, MOVED_ZERO, OTHER_CLOCK, WRENCH_CLOCK
+from exogauge.plausibility.told_as import (
+    EFFORT_DELAY,
+    IMU_CLOCK,
+    IMU_LATE,
+    MOVED_ZERO,
+    OTHER_CLOCK,
+    UNSURE_SIGN,
+    WRENCH_CLOCK,
+)
 from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
@@ -37,7 +45,7 @@ from exogauge.support.settings import WornLog
 OF_THE_BASE = ("acc", "gyro", "ft", "t")  # where these are wrong, so is what every joint should bear
 SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
     "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
-    "couple_first", "degrees", "motor_side",
+    "couple_first", "degrees", "motor_side", "counts", "sign_lost",
 }  # fmt: skip
 
 
@@ -62,7 +70,8 @@ def examine_logs(
     against = list(examine_against_robot(robot, trusted, criteria.comparison, fitted))
     slipped = any(each.severity == "error" and kind_of(each.channel) in OF_THE_BASE for _, each in against)
     looked_at = [] if slipped or mapped else [each.log for each in worn if each.log.name not in doubtful]
-    of_worn = examine_worn(robot, looked_at, criteria.comparison)  # a slip of all logs is told once
+    imu_late_s = next((each.value for _, each in against if each.rule == IMU_LATE), None)
+    of_worn = examine_worn(robot, looked_at, criteria.comparison, imu_late_s)  # a slip of all logs is told once
     held_out = [*(each.held_out for each in recordings), *(True for _ in worn)]
     shared = shared_samples(logs, held_out, criteria.doctor)
     return [_entry(log, finding) for log, finding in (*shared, *against, *of_worn, *alone)]
@@ -139,14 +148,23 @@ def late_and_not_in_the_model(
     settings: Settings,
     discrepancy: Discrepancy | None,
 ) -> list[Notice]:
-    """One where efforts of fitted logs are late, and no effect that is named, or stated, accounts for it: what a drive
-    bears at once is then taken for friction and inertia, surely and wrongly."""
+    """One where efforts, or the IMU, of fitted logs are late, and no effect that is named, or stated, accounts for it:
+    what a drive bears at once is then taken for friction and inertia, surely and wrongly."""
     named = [*settings.effects, *(each.effect for each in (discrepancy.findings if discrepancy else ()))]
-    if DELAY in named and not (discrepancy and discrepancy.unexplained):
-        return []
+    more = bool(discrepancy and discrepancy.unexplained)  # of an IMU the doctor's time itself tells whether it is all
+    open_still = [rule for rule, of in DELAYS.items() if of not in named or (more and rule == EFFORT_DELAY)]
     fitted = {each.log.name for each in recordings if not each.held_out}
-    late = {each["log"]: each for each in findings if each["rule"] == EFFORT_DELAY and each["log"] in fitted}
-    return _told_of([*late], late, About.LATE_FIT)
+    told = [each for each in findings if each["rule"] in open_still and each["log"] in fitted]
+    notices = list[Notice]()
+    for rule in open_still:
+        late = {each["log"]: each for each in told if each["rule"] == rule}
+        notices += _told_of([*late], late, About.LATE_FIT)
+    return notices
+
+
+def unsure_joints(findings: Sequence[Mapping[str, Any]]) -> set[str]:
+    """Those of which position and effort may both be turned: what other bodies do to them then has the wrong sign."""
+    return {str(each["channel"]).partition(".")[2] for each in findings if each["rule"] == UNSURE_SIGN}
 
 
 def _spoiling(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
@@ -194,7 +212,7 @@ def _entry(log: str, finding: Finding) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
-DELAY = "torque_delay"  # the effect
+DELAYS = {EFFORT_DELAY: "torque_delay", IMU_LATE: "imu_delay"}  # rule of the doctor -> the effect
 SPOILING = {OTHER_CLOCK, WRENCH_CLOCK, IMU_CLOCK, MOVED_ZERO, "position_dead"}  # beside what is an error
 WORSE = 1.1  # times the error of the maker's numbers
 NOTHING = 0.02  # of a channel's rms: smaller errors are not compared

@@ -157,9 +157,8 @@ FORMS: Mapping[About, Form] = {
         "number that rests on it counts as decided by the data. Mend that first: {worst}."
     ),
     About.LATE_FIT: Form(
-        "Efforts of what is fitted are of other moments than positions: {names} ({file}). No `torque_delay` that "
-        "explains all of it is in the model, so no number that rests on it counts as decided by the data. Mend that "
-        "first: {worst}."
+        "What is fitted is of other moments than its positions: {names} ({file}). No delay that explains it is in the "
+        "model, so no number that rests on it counts as decided by the data. Mend that first: {worst}."
     ),
     About.DOCTOR_ERRORS: Form(
         "The doctor holds {names} for wrong, and all that is told here rests on it. Mend that first, as it says."

@@ -1,5 +1,6 @@
 import { NativeSelect, Paper, Stack, Text } from "@mantine/core";
 
+import { BandLawForm } from "./BandLawForm";
 import { groupOf, stiffnessOf, type DeviceContent } from "./deviceFile";
 import { withLength, withStiffness } from "./edits";
 import { SliderRow } from "./SliderRow";
@@ -12,7 +13,7 @@ type Props = {
   set: (next: DeviceContent, mark: string) => void;
 };
 
-/** Stiffness of the chosen band's group, and its natural length. */
+/** Stiffness and law of the chosen band's group, and its natural length. */
 export function BandValues({ saved, device, band, choose, set }: Props) {
   const now = device.bands.find((each) => each.name === band);
   const before = saved.bands.find((each) => each.name === band);
@@ -40,11 +41,6 @@ export function BandValues({ saved, device, band, choose, set }: Props) {
           decimals={1}
           set={(value) => set(withStiffness(device, group, value), `stiffness ${group}`)}
         />
-        {members.length > 1 && (
-          <Text size="sm" c="dimmed">
-            Bands of group {group} share it: {members.join(", ")}.
-          </Text>
-        )}
         <SliderRow
           name="Natural length"
           unit="m"
@@ -55,6 +51,12 @@ export function BandValues({ saved, device, band, choose, set }: Props) {
           decimals={3}
           set={(value) => set(withLength(device, band, value), `length ${band}`)}
         />
+        {members.length > 1 && (
+          <Text size="sm" c="dimmed">
+            Bands of group {group} share stiffness and law: {members.join(", ")}.
+          </Text>
+        )}
+        <BandLawForm device={device} group={group} set={set} />
       </Stack>
     </Paper>
   );

@@ -2,6 +2,8 @@
 
 import { isMap, isScalar, parseDocument, type Document } from "yaml";
 
+import type { BandLaw } from "../../api/devices";
+
 export type ViaPoint = { link: string; xyz: [number, number, number] };
 export type Band = {
   name: string;
@@ -43,6 +45,7 @@ function writeBand(page: Document, k: number, band: Band, before: Band | undefin
     if (band[key] === undefined) page.deleteIn([...at, key]);
     else page.setIn([...at, key], band[key]);
   }
+  writeLaw(page, at, band, before);
   const known = before?.via_points ?? [];
   if (known.length !== band.via_points.length) {
     const points = page.createNode(band.via_points.map(({ link, xyz }) => page.createNode({ link, xyz }, { flow: true })));
@@ -56,6 +59,22 @@ function writeBand(page: Document, k: number, band: Band, before: Band | undefin
       page.setIn([...place, "xyz"], page.createNode(xyz, { flow: true }));
     }
   });
+}
+
+function writeLaw(page: Document, at: (string | number)[], band: Band, before: Band | undefined): void {
+  if (band.law !== before?.law) {
+    if (band.law === undefined) page.deleteIn([...at, "law"]);
+    else page.setIn([...at, "law"], band.law);
+  }
+  const [values, had] = [band.law_values ?? {}, before?.law_values ?? {}];
+  const names = Object.keys(values);
+  if (names.length === 0) {
+    if (before?.law_values) page.deleteIn([...at, "law_values"]);
+  } else if (names.some((name) => !(name in had)) || Object.keys(had).some((name) => !(name in values))) {
+    page.setIn([...at, "law_values"], page.createNode(values, { flow: true }));
+  } else {
+    names.filter((name) => values[name] !== had[name]).forEach((name) => page.setIn([...at, "law_values", name], values[name]));
+  }
 }
 
 /** As it stands in the file: a serial number of 0042 is no 42. */
@@ -76,6 +95,24 @@ function writeRecord(page: Document, record: Specimen): void {
   }
   const left = page.get("record");
   if (isMap(left) && left.items.length === 0) page.delete("record");
+}
+
+export const LINEAR = "linear";
+export const AND = "+"; // between laws that a band has at once
+
+/** The laws of a group; none: the spring alone. */
+export function lawsOf(content: DeviceContent, group: string): string[] {
+  const law = content.bands.find((band) => groupOf(band) === group)?.law ?? LINEAR;
+  return law
+    .split(AND)
+    .map((each) => each.trim())
+    .filter((each) => each !== LINEAR);
+}
+
+/** Values of several laws at once, each once. */
+export function ownValues(laws: readonly BandLaw[]): BandLaw["values"] {
+  const values = laws.flatMap((each) => each.values);
+  return values.filter((each, k) => values.findIndex((other) => other.name === each.name) === k);
 }
 
 export function groupOf(band: Band): string {

@@ -1,7 +1,7 @@
 /** What differs between a device and the one it was made of, in sentences. */
 
 import { figure, NONE } from "../../parts/digits";
-import { groupOf, groupsOf, RECORD, stiffnessOf, type DeviceContent, type Specimen } from "./deviceFile";
+import { groupOf, groupsOf, LINEAR, lawsOf, RECORD, stiffnessOf, type DeviceContent, type Specimen } from "./deviceFile";
 
 export const SPECIMEN: Record<keyof Specimen, string> = {
   model: "Model",
@@ -17,6 +17,10 @@ export function differences(before: DeviceContent, after: DeviceContent): string
   for (const group of groupsOf(after)) {
     const [was, is] = [stiffnessOf(before, group), stiffnessOf(after, group)];
     if (was !== is) found.push(`Stiffness of ${group}: ${figure(was)} → ${figure(is)} N/m`);
+  }
+  for (const group of groupsOf(after)) {
+    const [was, is] = [before, after].map((each) => lawWords(each, group));
+    if (was !== is) found.push(`Law of ${group}: ${was} → ${is}`);
   }
   for (const band of after.bands) {
     const old = before.bands.find((each) => each.name === band.name);
@@ -45,6 +49,13 @@ export function differences(before: DeviceContent, after: DeviceContent): string
     if (was !== is) found.push(`${SPECIMEN[key]}: ${was ?? NONE} → ${is ?? NONE}`);
   }
   return found;
+}
+
+function lawWords(device: DeviceContent, group: string): string {
+  const band = device.bands.find((each) => groupOf(each) === group);
+  const values = Object.entries(band?.law_values ?? {}).map(([name, value]) => `${name} ${figure(value)}`);
+  const named = lawsOf(device, group).join(" and ") || LINEAR;
+  return values.length > 0 ? `${named} (${values.join(", ")})` : named;
 }
 
 /** What the service would refuse anyway; null: nothing. */

@@ -2,7 +2,8 @@
 
 import { linkNamed, placeOn, stepOn } from "../../parts/place";
 import type { RobotModel } from "../../api/robots";
-import { groupOf, type Band, type DeviceContent, type Specimen, type ViaPoint } from "./deviceFile";
+import type { BandLaw } from "../../api/devices";
+import { AND, groupOf, ownValues, type Band, type DeviceContent, type Specimen, type ViaPoint } from "./deviceFile";
 
 const MICROMETRE = 1e-6;
 
@@ -17,6 +18,26 @@ export function withLength(device: DeviceContent, name: string, value: number): 
   const tied = device.tied?.includes(group);
   const bands = device.bands.map((band) =>
     band.name === name || (tied && groupOf(band) === group) ? { ...guessed(band), natural_length_m: value } : band,
+  );
+  return { ...device, bands };
+}
+
+/** The group pulls by another law; values are in the order of the law's own. */
+export function withLaw(device: DeviceContent, group: string, laws: readonly BandLaw[]): DeviceContent {
+  const values = Object.fromEntries(ownValues(laws).map((each) => [each.name, each.default ?? each.typical]));
+  const bands = device.bands.map((band) => {
+    if (groupOf(band) !== group) return band;
+    const { law: _, law_values: had, ...rest } = guessed(band);
+    if (laws.length === 0) return rest;
+    const kept = Object.keys(values).map((name) => [name, had?.[name] ?? values[name]]);
+    return { ...rest, law: laws.map((each) => each.name).join(AND), law_values: Object.fromEntries(kept) as Record<string, number> };
+  });
+  return { ...device, bands };
+}
+
+export function withLawValue(device: DeviceContent, group: string, name: string, value: number): DeviceContent {
+  const bands = device.bands.map((band) =>
+    groupOf(band) === group ? { ...guessed(band), law_values: { ...band.law_values, [name]: value } } : band,
   );
   return { ...device, bands };
 }

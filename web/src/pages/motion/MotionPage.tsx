@@ -17,7 +17,8 @@ import { WideTable, number } from "../../parts/WideTable";
 import { AskRobot } from "./AskRobot";
 import { CaptureOverTime } from "./OverTime";
 import { ContactsEditor } from "./ContactsEditor";
-import { factsOf, partWords, TOLD } from "./facts";
+import { Fitted } from "./Fitted";
+import { factsOf, partWords, toldWords } from "./facts";
 import { PlanList } from "./MotionsPage";
 
 /** One capture: what it is, what was guessed, when its feet stand, and for which robot it is planned. */
@@ -52,9 +53,7 @@ export function Component() {
 
 function WhatItIs({ motion }: { motion: Motion }) {
   const { told } = motion.summary;
-  const facts = Object.entries(told)
-    .filter(([key]) => key in TOLD)
-    .map(([key, value]): [string, React.ReactNode] => [TOLD[key]!, String(value)]);
+  const facts = Object.entries(told).map(([key, value]): [string, React.ReactNode] => [toldWords(key), String(value)]);
   return (
     <section aria-labelledby="what">
       <Title order={2} size="h3" id="what" mb="xs">
@@ -207,6 +206,7 @@ function Body({ motion }: { motion: Motion }) {
   const fit = useFit(motion.id);
   const job = motion.latest_job;
   return (
+    <>
     <Group gap="sm">
       {!job || job.state === "failed" || job.state === "cancelled" ? (
         <Button variant="default" loading={fit.isPending} onClick={() => fit.mutate()}>
@@ -223,5 +223,7 @@ function Body({ motion }: { motion: Motion }) {
       )}
       {fit.error && <ProblemBox error={fit.error} />}
     </Group>
+    {job?.state === "succeeded" && <Fitted jobId={job.id} />}
+    </>
   );
 }

@@ -20,7 +20,7 @@ import { isEvaluation, useResults } from "../study/results";
 import { duration } from "../study/words";
 import { Certainties } from "./Certainties";
 import { Exports } from "./Exports";
-import { planWords } from "./facts";
+import { planWords, toldWords } from "./facts";
 import { Margins } from "./Margins";
 import { PlanOverTime } from "./OverTime";
 import { Trunk } from "./Trunk";
@@ -124,6 +124,7 @@ function Verdict({ plan }: { plan: Plan }) {
       <Alert icon={<IconCircleCheck aria-hidden />} color="teal" variant="default" title="Every bound holds">
         <Text size="sm">
           It takes {duration(found.seconds)}.{" "}
+          {found.kind !== "excite" && "The ways from home and back are in it. "}
           {found.kind === "excite" ? `Nearest bound: ${String(found.told["nearest bound"] ?? "")}.` : `It was judged at ${found.rate_hz.toFixed(0)} Hz.`}
         </Text>
       </Alert>
@@ -158,10 +159,15 @@ function WouldDo({ plan }: { plan: Plan }) {
   );
 }
 
+/** What other parts of the page show. */
+const ELSEWHERE =
+  /^(robot|seconds|rounds|trunk .*|centre of pressure|weight on the feet|feet|feet that lift|frame by frame|velocity|torque|acceleration|position|jerk|nearest.*|broken|(base|joint) parameters|undecided|rate_hz)$/;
+
 /** The rest that was told, in the service’s own words. */
 function Told({ plan }: { plan: Plan }) {
-  const shown = ["feet that stand", "identified up to", ...(plan.kind === "excite" ? ["motion"] : []), "not looked at", "may touch", "read from the table"];
-  const told = Object.entries(plan.found!.told).filter(([key, value]) => shown.includes(key) && (!Array.isArray(value) || value.length > 0));
+  const told = Object.entries(plan.found!.told).filter(
+    ([key, value]) => !ELSEWHERE.test(key) && !(plan.kind === "retarget" && key === "motion") && (!Array.isArray(value) || value.length > 0),
+  );
   if (!told.length) return null;
   return (
     <section aria-labelledby="told">
@@ -171,7 +177,7 @@ function Told({ plan }: { plan: Plan }) {
       <List size="sm">
         {told.map(([key, value]) => (
           <List.Item key={key}>
-            {key}: {Array.isArray(value) ? value.join(", ") : value}
+            {toldWords(key)}: {Array.isArray(value) ? value.join(", ") : value}
           </List.Item>
         ))}
       </List>

@@ -50,7 +50,32 @@ export const TOLD: Record<string, string> = {
   renamed: "Names taken",
   angles: "Angles",
   "not in the file": "Mapped, not there",
+  rate: "Rate",
+  decimals: "Decimals",
+  rate_doubt: "Doubt of the rate",
+  exchanged: "Labels exchanged",
+  slips: "Markers that slipped",
+  strays: "Doubt of markers",
+  held: "Values held",
+  joined: "Takes joined",
+  leaps: "Leaps",
+  residual: "What is left",
+  scales: "Lengths, of a body of 1.75 m",
+  fits_badly: "Fits badly",
+  elsewhere: "Sits elsewhere",
+  scale_at_bound: "Length at its bound",
+  not_tracked: "Not tracked",
+  few_points: "Few points",
+  guessed: "Guessed",
+  not_settled: "Not settled",
+  "may touch": "May touch, and are not looked at",
+  "touch as hulls": "Near as hulls alone, and not looked at",
 };
+
+/** Whatever was told has words: what is new on the service is not kept from whoever looks. */
+export function toldWords(key: string): string {
+  return TOLD[key] ?? `${key.slice(0, 1).toUpperCase()}${key.slice(1).replaceAll("_", " ")}`;
+}
 
 /** Parts of the body, in words. */
 export function partWords(segment: string): string {

@@ -19,6 +19,11 @@ const ABOUT: Record<string, string> = {
   "support.csv": "supporting torque per device, motion, joint and phase",
   "stiffness.csv": "stiffness and natural length of the bands",
   "results.schema.json": "the shape of results.json",
+  "motion.csv": "the motion: t and q.<joint>, as it was planned",
+  "plan.json": "trunk, margins, broken bounds, parameters: what this page shows",
+  "motion.json": "ranges, top speeds, margins and hashes of the motion",
+  "human.npz": "the person, as the 3D view draws it",
+  "played.npz": "the robot’s postures, as the 3D view plays them",
   "identified.urdf": "the maker’s URDF with identified inertias",
 };
 
@@ -32,6 +37,7 @@ function byUse(one: { name: string }, other: { name: string }): number {
 }
 
 function aboutOf(name: string): string {
+  if (name === "series/motion.parquet") return "trunk, margins, bounds and joints over time";
   if (name.startsWith("series/")) return "the log’s channels, with what the models say";
   if (name.startsWith("planned_motion_")) return "joint positions of a motion that would tell effects apart";
   return ABOUT[name] ?? "";
