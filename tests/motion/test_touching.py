@@ -137,6 +137,7 @@ def test_arms_that_are_asked_into_the_trunk_stay_out(robot: MotionRobot, pairs: 
     assert all(tuple(pair) in pairs.left_out or tuple(pair)[::-1] in pairs.left_out or FLOOR in pair for pair in seen)
 
 
+@pytest.mark.slow
 def test_what_touches_only_as_a_convex_hull_is_told_by_name_with_how_far_its_mesh_is(robot: MotionRobot) -> None:
     """The left hand holds two plates, 6 cm on either side of the right one; the hull of both goes through it."""
     left, right = "l_hand", "r_hand"
@@ -159,6 +160,13 @@ def test_what_touches_only_as_a_convex_hull_is_told_by_name_with_how_far_its_mes
     assert "BODY and chest" in said["may touch"]
     solid = replace(holds, shapes=(*holds.shapes[:-2], replace(hollow, mesh=None), ball))
     assert "l_hand and r_hand" in may_touch(solid, Pairs(solid, USUAL.clearance_m).left_out)["may touch"]
+    assert "l_hand and r_hand in part" not in may_touch(solid, Pairs(solid, USUAL.clearance_m).left_out)["may touch"]
+    two = replace(
+        solid, shapes=(*solid.shapes, Shape(right, "sphere", (0.01,), pin.SE3(np.eye(3), np.array([0.0, -0.3, 0.0]))))
+    )
+    partly = Pairs(two, USUAL.clearance_m)
+    assert (left, right) in partly.names  # the other one is looked at: Panda's link 5 and a finger stood in both
+    assert "l_hand and r_hand in part" in may_touch(two, partly.left_out)["may touch"]
     away = holds.home.copy()
     away[holds.base + holds.joints.index("r_shoulder_roll")] -= 1.0
     elsewhere = replace(holds, home=away)  # from where they come together

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from exogauge.criteria.motion_excite import USUAL as EXCITE
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.channels import bound_shares
 from exogauge.motion.contract import RetargetEntry
@@ -95,7 +96,7 @@ def moments(time: Array, whole: float, wanted: RetargetEntry) -> Array:
 
 
 def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played:
-    """acceleration: (T, n) at the judged times. Without a person."""
+    """Of a motion that excites. acceleration: (T, n) at the judged times. Without a person."""
     every = max(1, round(1.0 / ((judged.time[1] - judged.time[0]) * DRAWN_HZ)))
     kept = slice(None, None, every)
     q, base = judged.q[kept], robot.base
@@ -111,7 +112,7 @@ def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played
     return Played(
         judged.time[kept], _pose(robot, q), q[:, base:], judged.pressure[kept], judged.inside[kept], outline, foot,
         judged.stands[kept].astype(np.float64),
-        np.array([USUAL.inside_m]), pairs, apart, at_bound[kept].astype(np.float64), none, none, np.zeros((0, 7)),
+        np.array([EXCITE.margin_m]), pairs, apart, at_bound[kept].astype(np.float64), none, none, np.zeros((0, 7)),
         np.zeros((0, len(robot.joints))),
     )  # fmt: skip
 

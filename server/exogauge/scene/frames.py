@@ -40,7 +40,7 @@ class Frames:
     @property
     def said(self) -> str:
         """How much of the log a frame stands for, in words."""
-        return f"{self.fps:.3g} frames per second, each one sample of the log"
+        return f"{self.fps:.3g} frames per second, each one sample"
 
     def nearest(self, time: Array) -> NDArray[np.intp]:
         """(F,) the sample at, or nearest to, each frame. time: (T,) [s], rising."""

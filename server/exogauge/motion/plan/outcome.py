@@ -141,11 +141,13 @@ def _on_feet(robot: MotionRobot, judged: Judged) -> Told:
 
 
 def may_touch(robot: MotionRobot, left_out: Sequence[tuple[str, str]], why: str = "") -> dict[str, str]:
-    """Pairs that are not looked at, those apart that only the convex hulls of hollow meshes bring together. why: after
-    the first."""
+    """Pairs that are not looked at, those apart that only the convex hulls of hollow meshes bring together; in part:
+    others of the shapes of the two links are. why: after the first."""
     asked = [pair for pair in left_out if pair not in robot.ignored and pair[::-1] not in robot.ignored]
     hulls = hulls_alone(robot, asked, USUAL.clearance_m) if robot.home is not None else {}
-    touch = [" and ".join(pair) for pair in left_out if pair not in hulls]
+    asked_too = {frozenset(pair) for pair in Pairs(robot, USUAL.clearance_m).names} if left_out else set()
+    touch = [" and ".join(pair) + (" in part" if frozenset(pair) in asked_too else "") for pair in left_out
+             if pair not in hulls]  # fmt: skip
     apart = [f"{' and '.join(pair)} ({1e3 * gap:.0f} mm)" for pair, gap in hulls.items()]
     said = {"may touch": ", ".join(touch) + why} if touch else {}
     if apart:

@@ -42,8 +42,9 @@ export function Exports({ plan }: { plan: Plan }) {
           </Group>
         )}
         <Text size="xs" c="dimmed">
-          Each comes as a zip with a sheet of ranges, top speeds, margins and hashes; at another rate it is judged anew. CSV as it was planned is the
-          table itself.
+          {standing
+            ? "Each comes as a zip with a sheet of ranges, top speeds, margins and hashes; at another rate it is judged anew. CSV as it was planned is the table itself."
+            : "The table itself, as it was planned."}
         </Text>
       </Stack>
     </section>

@@ -1,8 +1,8 @@
-import { Table, Text, Title } from "@mantine/core";
+import { Box, Table, Text, Title } from "@mantine/core";
 
 import type { Found } from "../../api/motions";
 import { FactList } from "../../parts/FactList";
-import { fixed, isNumber, percent } from "../../parts/digits";
+import { fixed, isNumber, NONE, percent } from "../../parts/digits";
 import { number, WideTable } from "../../parts/WideTable";
 
 type Left = Found["margins"];
@@ -42,7 +42,9 @@ export function Margins({ found }: { found: Found }) {
           </Table.Tr>
         </WideTable>
       ) : (
-        <FactList facts={left(margins)} />
+        <Box mb="sm">
+          <FactList facts={left(margins)} />
+        </Box>
       )}
       {alone && (
         <Text size="xs" c="dimmed" mt={4} mb="md">
@@ -57,8 +59,8 @@ export function Margins({ found }: { found: Found }) {
           <Table.Tr key={each.kind} data-bound={each.kind}>
             <Table.Th scope="row">{each.kind}</Table.Th>
             <Table.Td>{each.share > 1e-6 ? each.joint : "no bound is known"}</Table.Td>
-            <Table.Td data-number>{percent(each.share, 1)}</Table.Td>
-            <Table.Td data-number>{fixed(each.time, 2)}</Table.Td>
+            <Table.Td data-number>{each.share > 1e-6 ? percent(each.share, 1) : NONE}</Table.Td>
+            <Table.Td data-number>{each.share > 1e-6 ? fixed(each.time, 2) : NONE}</Table.Td>
             {alone && <Table.Td data-number>{percent(shareOf(alone.margins, each.kind), 1)}</Table.Td>}
           </Table.Tr>
         ))}
