@@ -7,12 +7,15 @@ import pytest
 
 from exogauge.blind.generator.dynamics import carrier, joint_torques
 from exogauge.blind.generator.hidden.band import (
+    BandHysteresis,
     BandLength,
     BandRelaxation,
     BandSlip,
+    BandSoftening,
     BandStiffness,
     BandViaFriction,
     BandViscous,
+    held_by_threads,
     together,
 )
 from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS
@@ -154,6 +157,7 @@ def test_what_drags_in_a_band_takes_work(torso8) -> None:
         (BandViscous(name, 0.7, 0.1), 3.0),
         (BandRelaxation(name, 0.8, 4.0, 0.4), 0.4),
         (BandViaFriction(name, 1e-3, 1.4, 0.3, 3.0), 0.3),
+        (BandHysteresis(name, (1e-3, 3e-3)), 0.3),
     ):
         work = np.sum(effect.change(torso8, size).torque * dq, axis=(1, 2))[torso8.wear.worn] / 200.0
         assert work.min() > 0.05, effect
@@ -167,3 +171,26 @@ def test_a_creeping_band_is_a_stiffer_one_when_it_is_quick_and_itself_when_it_wa
     np.testing.assert_allclose(slow, band.pull(expected), atol=0.02 * np.abs(slow).max())
     quick = BandRelaxation(band.wire.name, 1e-3, 1.0, 0.5).change(torso8, 0.3).torque[torso8.wear.worn]
     assert np.abs(quick).max() < 0.02 * np.abs(slow).max()
+
+
+def test_threads_that_rub_do_not_ask_how_fast_the_band_is_stretched(torso8) -> None:
+    """The same lengths at half the speed: the same forces. After a way of one direction all threads give way."""
+    effect = BandHysteresis(torso8.wear.bands[0].wire.name, (5e-4, 2e-3))
+    length = torso8.wear.bands[0].length[:, ::4]
+    slow = np.repeat(length, 2, axis=1)
+    ways = np.array(effect.ways)
+    np.testing.assert_array_equal(held_by_threads(slow, ways), np.repeat(held_by_threads(length, ways), 2, axis=1))
+    there_and_back = np.concatenate([np.linspace(0.0, 0.01, 50), np.linspace(0.01, 0.0, 50)])[None]
+    held = held_by_threads(there_and_back, ways)[0]
+    assert held[49] == 1.0
+    assert held[-1] == -1.0
+
+
+def test_a_band_that_softens_still_pulls_more_the_further_it_is_stretched(torso8) -> None:
+    band = torso8.wear.bands[0]
+    effect = BandSoftening(band.wire.name, 1.2)
+    size = effect.limits(torso8)[1]
+    total = (band.tension + effect.change(torso8, size).pull.tension).ravel()
+    along = np.argsort(band.stretch.ravel())
+    assert np.diff(total[along]).min() > -1e-9
+    assert total.max() == pytest.approx((1.0 - size) * band.tension.max())

@@ -115,7 +115,7 @@ def test_effects_and_robots_that_are_asked_for_are_all_there_is(tmp_path: Path) 
 
 def test_what_is_made_only_when_asked_for_is_made_then_and_changes_no_seed() -> None:
     assert not set(ON_REQUEST) & {kind for number in range(1, 2 * BLOCK + 1) for kind in plan_case(3, number).kinds}
-    asked = [plan_case(3, number, "both", ON_REQUEST) for number in range(1, 9)]
+    asked = [plan_case(3, number, "both", ON_REQUEST) for number in range(1, 2 * len(ON_REQUEST))]
     assert {kind for plan in asked for kind in plan.kinds} == set(ON_REQUEST)
 
 

@@ -43,6 +43,18 @@ def fit(truth, make_log, noise, settings=None, fitted=(1, 2), held_out=(9,)):
 
 
 @pytest.mark.slow
+def test_of_a_joint_that_is_left_undecided_no_parameter_counts_and_all_others_stay(make_truth, make_log):
+    found = fit(make_truth(True), make_log, noise=1.0)
+    then = found.with_undecided(["j1"])
+    own = {name for name in by_name(found) if name.endswith("[j1]")}
+    decided, left = ({n for n, each in by_name(one).items() if each.identifiable} for one in (found, then))
+    assert decided & own
+    assert left == decided - own
+    assert set(then.unidentifiable) == set(found.unidentifiable) | own
+    assert found.with_undecided([]).unidentifiable == found.unidentifiable
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("floating", [True, False])
 def test_known_truth_comes_back_without_noise(make_truth, make_log, floating):
     truth = make_truth(floating, actuation="current" if floating else "torque")

@@ -481,6 +481,8 @@ def test_every_rule_speaks_in_some_case():
         cut = Log("cut", time, channels, notes=(Note("cut_at_gaps", "1 gap"),))
         for log in (Log("log", time, channels), Log("bad clock", bad_clock, channels), cut):
             silent -= {rule.__name__ for rule in RULES if rule.__name__ in silent and any(rule(log, EXPECTED))}
+    slow = Log("slow", 20.0 * time, channels)
+    silent -= {rule.__name__ for rule in RULES if rule.__name__ in silent and any(rule(slow, Expectation()))}
     assert silent == set()
 
 
@@ -543,3 +545,12 @@ def test_an_effort_that_bears_a_load_to_one_side_has_its_sign(offset):
     time, channels = healthy(rng)
     channels["i.hip"] = offset + 1.0 + np.cos(channels["q.hip"] * 6.0) + 0.05 * rng.standard_normal(SAMPLES)
     assert "sign_lost" not in {f.rule for f in examine(Log("log", time, channels), EXPECTED)}
+
+
+@pytest.mark.parametrize(("keep", "told"), [(1, False), (5, False), (20, True)])
+def test_a_log_with_few_samples_of_a_turn_says_so(keep, told):
+    time, channels = healthy(np.random.default_rng(12))
+    some = Log("log", time[::keep], {name: each[::keep] for name, each in channels.items()})
+    found = [f for f in examine(some) if f.rule == "slowly_sampled"]
+    assert bool(found) is told
+    assert not told or "50 Hz" in found[0].advice

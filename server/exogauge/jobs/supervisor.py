@@ -57,10 +57,6 @@ class Supervisor:
             self._stopping.wait(back_off)
             back_off = min(2 * back_off, LONGEST_BACK_OFF_S)
 
-    def pids(self) -> list[int]:
-        """Process ids of the workers alive now."""
-        return [process.pid for process in self._processes.values() if process.poll() is None]
-
     def stop(self, patience_s: float = 5.0) -> None:
         """Ask the workers to leave, then insist."""
         self._stopping.set()

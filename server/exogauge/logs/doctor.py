@@ -11,6 +11,7 @@ __all__ = ["Expectation", "Finding", "JointLimits", "Severity", "examine"]
 RULES: tuple[Rule, ...] = (
     signal_rules.what_was_done,
     signal_rules.rate_differs,
+    signal_rules.slowly_sampled,
     signal_rules.clock_jitters,
     signal_rules.clock_has_gaps,
     signal_rules.not_finite,

@@ -229,6 +229,13 @@ def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
         yield Finding("error" if severe else "warning", "t", "rate_differs", detail, advice, value=log.rate_hz)
 
 
+def slowly_sampled(log: Log, expected: Expectation) -> Iterator[Finding]:
+    if log.rate_hz < expected.criteria.slowest_rate_hz and not any(rate_differs(log, expected)):
+        detail = f"sampled at {log.rate_hz:.3g} Hz: how friction turns round with a joint falls between the samples"
+        advice = "log at 50 Hz or more; of slower logs weights are to be believed, friction and rotor inertia less"
+        yield Finding("warning", "t", "slowly_sampled", detail, advice, value=log.rate_hz)
+
+
 def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
     periods = np.diff(log.time)
     median = float(np.median(periods))

@@ -12,8 +12,8 @@ from typing import final
 from obstore.exceptions import AlreadyExistsError, BaseError
 
 from exogauge.errors import Away, NotFound
+from exogauge.storage.shelf import MOST_WAITING
 
-MOST_WAITING = 12  # judgement: of a server's 40 threads; the others serve what needs no store
 SILENT_S = 3.0  # judgement: for which nobody was answered; longer than a store stumbles
 
 

@@ -11,14 +11,16 @@ from typing import final
 
 from exogauge.errors import Unavailable
 
-MOST_ASKING = 12  # judgement: of a server's 40 threads; there are two shelves of what takes seconds to make
+MOST_WAITING = 12  # judgement: of a server's 40 threads for one slow thing (two shelves, an object store)
 
 
 @final
 class Shelf:
     """Files by key in a folder; the ones looked at longest ago go when it is full. Threads and processes share it."""
 
-    def __init__(self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2, most: float = MOST_ASKING) -> None:
+    def __init__(
+        self, folder: Path, kept_bytes: int, suffix: str, at_once: int = 2, most: float = MOST_WAITING
+    ) -> None:
         """at_once: how many may be made at the same time. most: how many may ask for what is still to be made; others
         are sent away (Unavailable), as who waits holds a thread."""
         self._folder, self._kept_bytes, self._suffix = folder, kept_bytes, suffix

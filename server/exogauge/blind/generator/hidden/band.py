@@ -264,6 +264,55 @@ class BandHardening(_OnOneBand):
 
 @final
 @dataclass(frozen=True)
+class BandSoftening(_OnOneBand):
+    """At its largest stretch x_m it pulls the share size less, below in proportion to (x/x_m)^power, and x itself."""
+
+    band: str
+    power: float
+
+    name: ClassVar[str] = "band_softening"
+    linear: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, scene: Scene, where: Where) -> Self:
+        return cls(str(where["band"]), float(rng.uniform(0.5, 1.2)))
+
+    def limits(self, scene: Scene) -> tuple[float, float]:
+        return 0.0, 0.4  # more, and with a power of 1.2 it would pull less the further it is stretched
+
+    def change(self, scene: Scene, size: float) -> Change:
+        band = named(scene, self.band)
+        return more(scene, band, -size * band.tension * (band.stretch / band.stretch.max()) ** self.power)
+
+
+@final
+@dataclass(frozen=True)
+class BandHysteresis(_OnOneBand):
+    """Its threads rub on each other: it pulls the share size · c more. c, -1…1, is what `ways` [m] as many threads in
+    parallel hold, each of which sticks until strained by its way (Iwan): loops grow with the swing, and remember all
+    turns that were not passed since."""
+
+    band: str
+    ways: tuple[float, ...]
+
+    name: ClassVar[str] = "band_hysteresis"
+    linear: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, scene: Scene, where: Where) -> Self:
+        middle = float(np.exp(rng.uniform(np.log(0.7e-3), np.log(5e-3))))
+        return cls(str(where["band"]), tuple(float(way) for way in middle * np.geomspace(0.2, 5.0, 7)))
+
+    def limits(self, scene: Scene) -> tuple[float, float]:
+        return 0.0, 0.4
+
+    def change(self, scene: Scene, size: float) -> Change:
+        band = named(scene, self.band)
+        return more(scene, band, size * band.tension * held_by_threads(band.length, np.array(self.ways)))
+
+
+@final
+@dataclass(frozen=True)
 class BandViaFriction(_OnOneBand):
     """It rubs where it bends: tensions on both sides of a via point differ by e^(size · wrap angle · c).
 
@@ -360,3 +409,13 @@ def _crept(stretch: Array, tau: float) -> Array:
     gain = RATE_HZ * tau * (1.0 - keep)
     steps = np.diff(stretch, axis=1, prepend=stretch[:, :1])
     return np.asarray(lfilter([gain], [1.0, -keep], steps, axis=1))
+
+
+def held_by_threads(length: Array, ways: Array) -> Array:
+    """(W, T) mean force, -1…1, of threads that each give way once they are strained by their own way; unstrained at
+    the beginning."""
+    force, held = np.zeros((len(length), len(ways))), np.zeros_like(length)
+    for k, step in enumerate(np.diff(length, axis=1).T, start=1):
+        force = np.clip(force + step[:, None] / ways, -1.0, 1.0)
+        held[:, k] = force.mean(axis=1)
+    return held

@@ -5,9 +5,11 @@ from __future__ import annotations
 from exogauge.blind.generator.hidden.backlash import Backlash, Elasticity
 from exogauge.blind.generator.hidden.band import (
     BandHardening,
+    BandHysteresis,
     BandLength,
     BandRelaxation,
     BandSlip,
+    BandSoftening,
     BandStiffness,
     BandViaFriction,
     BandViscous,
@@ -32,13 +34,15 @@ _ELSEWHERE: tuple[type[WholeEffect], ...] = (Payload, LinkMass, Contact, BaseTil
 _IN_BANDS: tuple[type[WholeEffect], ...] = (
     BandStiffness, BandLength, BandViscous, BandRelaxation, BandHardening, BandSlip, BandViaFriction, ExtraBand,
 )  # fmt: skip
-_WHOLE: tuple[type[WholeEffect], ...] = (*_ELSEWHERE, *_IN_BANDS, Coupling, StrapSlides)
+_BANDS_IF_ASKED: tuple[type[WholeEffect], ...] = (BandSoftening, BandHysteresis, StrapSlides)
+_WHOLE: tuple[type[WholeEffect], ...] = (*_ELSEWHERE, *_IN_BANDS, Coupling, *_BANDS_IF_ASKED)
 ELSEWHERE = {kind.name: kind for kind in _WHOLE}
-IN_BANDS = frozenset((*(kind.name for kind in _IN_BANDS), StrapSlides.name))  # only where a device is worn
+IN_BANDS = frozenset(kind.name for kind in (*_IN_BANDS, *_BANDS_IF_ASKED))  # only where a device is worn
 IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
 ON_ENCODERS = EncoderEccentricity.name
 OUTSIDE = (CableWrap.name, FrictionWanders.name, StrapSlides.name)  # of every catalogue: nobody may name them
-ON_REQUEST = (Coupling.name, ON_ENCODERS, *OUTSIDE)  # one more sort in turn would change what every seed hides
+# One more sort in turn would change what every seed hides.
+ON_REQUEST = (Coupling.name, ON_ENCODERS, BandSoftening.name, BandHysteresis.name, *OUTSIDE)
 KINDS = (*(name for name in (*ON_JOINTS, *ELSEWHERE) if name not in ON_REQUEST), IN_LOGS)  # that take turns
 SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named
 CLUTTER = ("stribeck", "load_coulomb", "asym_viscous", "nonlinear_viscous", "joint_spring", "torque_ripple")
