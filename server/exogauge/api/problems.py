@@ -161,8 +161,11 @@ def of_fault(fault: Fault) -> ProblemError:
 def of_validation(error: RequestValidationError, instance: str | None = None) -> JSONResponse:
     """What pydantic refuses in path, query, header or body."""
     errors = [
-        ProblemError(detail=clean(entry["msg"]), code=entry["type"], pointer=pointer(entry["loc"]))
+        ProblemError(
+            detail=clean(said.removeprefix("Value error, ")), code=entry["type"], pointer=pointer(entry["loc"])
+        )
         for entry in error.errors()
+        for said in [str(entry["msg"])]
     ]
     detail = "; ".join(f"{entry.pointer}: {entry.detail}" for entry in errors[:3])
     return problem_response(

@@ -85,7 +85,9 @@ def rate_doubt(trunk: Array, feet: Array, rate: float, criteria: MotionImport = 
 def _comes_back(trunk: Array, feet: Array, rate: float, criteria: MotionImport) -> float | None:
     """[Hz] at which the trunk moves over the feet: acceleration over speed, rms, over 2 π, over windows in which noise
     is little. None of who hardly moves, of a short capture, and where no feet are seen."""
-    h, seen = round(criteria.slow_s * rate), np.isfinite(feet[..., 0])
+    every = max(1, round(criteria.slow_s * rate / 10.0))
+    trunk, feet, h = trunk[::every], feet[::every], round(criteria.slow_s * rate / every)
+    seen = np.isfinite(feet[..., 0])
     if len(trunk) < 5 * h or not seen.any():
         return None
     count = seen.sum(axis=1)[:, None]
@@ -96,7 +98,7 @@ def _comes_back(trunk: Array, feet: Array, rate: float, criteria: MotionImport) 
     ever = way[:, np.isfinite(way[..., 0]).any(axis=0)]
     if not whole.any() or (np.nanmax(ever, axis=0) - np.nanmin(ever, axis=0)).max() < criteria.moves_m:
         return None
-    return float(np.sqrt(np.sum(bend[whole] ** 2) / np.sum(speed[whole] ** 2)) / (2.0 * np.pi * criteria.slow_s))
+    return float(np.sqrt(np.sum(bend[whole] ** 2) / np.sum(speed[whole] ** 2)) * rate / (2.0 * np.pi * h * every))
 
 
 def leaps_of(position: Array, rate: float, points: Sequence[int], criteria: MotionImport = USUAL) -> Leaps:
@@ -184,11 +186,15 @@ def neighbours_put_back(
     """As `put_back`, of pairs on one part of the body that are nearer to each other than a leap: the way from one to
     the other turns round from one frame to the next. parts: the points on each. `position` is changed."""
     found = dict[tuple[int, int], list[Stretch]]()
+    some = position[:: max(1, len(position) // criteria.looked_at)]
     for i, j in ((i, j) for points in parts for k, i in enumerate(points) for j in points[k + 1 :]):
-        way = position[:, j] - position[:, i]
         with np.errstate(invalid="ignore"):
-            turned, straight = (np.linalg.norm(way[1:] + sign * way[:-1], axis=1) for sign in (1.0, -1.0))
-            steps = np.flatnonzero((turned < criteria.lands * straight) & (straight > criteria.apart_least_m))
+            if not (np.abs(some[:, j] - some[:, i]).max(axis=1) < criteria.leap_m).any():
+                continue
+            way = position[:, j] - position[:, i]
+            steps = np.flatnonzero(np.einsum("ta,ta->t", way[1:], way[:-1]) < 0.0)
+            turned, straight = (np.linalg.norm(way[steps + 1] + sign * way[steps], axis=1) for sign in (1.0, -1.0))
+        steps = steps[(turned < criteria.lands * straight) & (straight > criteria.apart_least_m)]
         if not len(steps):
             continue
         other = np.zeros(len(position), dtype=bool)

@@ -96,7 +96,7 @@ def moments(time: Array, whole: float, wanted: RetargetEntry) -> Array:
 
 
 def of_judged(robot: MotionRobot, judged: Judged, acceleration: Array) -> Played:
-    """Of a motion that excites. acceleration: (T, n) at the judged times. Without a person."""
+    """Without a person, and with the margin of a motion that excites. acceleration: (T, n) at the judged times."""
     every = max(1, round(1.0 / ((judged.time[1] - judged.time[0]) * DRAWN_HZ)))
     kept = slice(None, None, every)
     q, base = judged.q[kept], robot.base

@@ -145,7 +145,9 @@ def may_touch(robot: MotionRobot, left_out: Sequence[tuple[str, str]], why: str 
     others of the shapes of the two links are. why: after the first."""
     asked = [pair for pair in left_out if pair not in robot.ignored and pair[::-1] not in robot.ignored]
     hulls = hulls_alone(robot, asked, USUAL.clearance_m) if robot.home is not None else {}
-    asked_too = {frozenset(pair) for pair in Pairs(robot, USUAL.clearance_m).names} if left_out else set()
+    links = [shape.link for shape in robot.shapes]
+    several = any(links.count(link) > 1 for pair in left_out for link in pair)
+    asked_too = {frozenset(pair) for pair in Pairs(robot, USUAL.clearance_m).names} if several else set()
     touch = [" and ".join(pair) + (" in part" if frozenset(pair) in asked_too else "") for pair in left_out
              if pair not in hulls]  # fmt: skip
     apart = [f"{' and '.join(pair)} ({1e3 * gap:.0f} mm)" for pair, gap in hulls.items()]
