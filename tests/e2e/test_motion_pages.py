@@ -81,6 +81,22 @@ def test_a_table_of_another_program_is_told_as_it_was_read(
     screenshot(f"motion-{name.rpartition('.')[2]}")
 
 
+def test_a_fitted_body_tells_how_it_fits_and_shows_its_angles(page: Page) -> None:
+    """It said that the angles were below, and showed what was captured."""
+    page.goto("/motions")
+    drop(page, {"fitted.bvh": bvh(bow(30.0))})
+    page.wait_for_url(A_MOTION, timeout=60_000)
+    page.get_by_role("button", name="Fit a body").click()
+    expect(page.get_by_text("its angles are below")).to_be_visible(timeout=PLANNED_MS)
+    expect(page.get_by_text("cm rms, most at")).to_be_visible()
+    expect(page.get_by_text("trunk flexion", exact=True).first).to_be_visible()
+    with page.expect_download() as got:
+        page.get_by_role("link", name="Angles over time: MOT").click()
+    assert "inDegrees=yes" in Path(got.value.path()).read_text()
+    page.get_by_text("As captured", exact=True).click()
+    expect(page.get_by_text("Bone ", exact=False).first).to_be_visible()
+
+
 def test_a_dropped_capture_becomes_a_motion_of_a_robot(
     page: Page, robot: str, screenshot: Callable[[str], None]
 ) -> None:

@@ -42,7 +42,7 @@ export function motionLine(name: string): RawLine | null {
       return { key: `${kind}.${label}`, title: `${PLACED[kind]} ${label}`, group: "Person", words: parts.at(-1) ?? "" };
     }
     case "angle":
-      return { key: name, title: rest.replaceAll("_", " "), group: "Person", words: "as read" };
+      return { key: name, title: rest.replaceAll("_", " "), group: "Person", words: "angle" };
     default:
       return null;
   }

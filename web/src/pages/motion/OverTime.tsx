@@ -1,5 +1,5 @@
-import { Group, Stack, Switch, Title } from "@mantine/core";
-import { lazy, Suspense, useMemo } from "react";
+import { Group, SegmentedControl, Stack, Switch, Title } from "@mantine/core";
+import { lazy, Suspense, useMemo, useState } from "react";
 
 import type { Motion, Plan } from "../../api/motions";
 import { Loading } from "../../parts/Loading";
@@ -13,6 +13,7 @@ import styles from "../study/PlotsSection.module.css";
 const PlanView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.PlanView })));
 const CaptureView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.CaptureView })));
 const SERIES = "motion";
+const ANGLES_FIRST = ["angle.trunk_flexion", "angle.l_hip_flexion", "angle.l_knee_flexion"];
 const SHOWN_FIRST = ["head", "pelvis", "l_foot"];
 
 /** What a plan does over time, beside the robot and the person. */
@@ -35,12 +36,28 @@ export function CaptureOverTime({ motion }: { motion: Motion }) {
   const kind = motion.summary.holds === "markers" ? "marker" : "bone";
   const labelled = (part: string) => motion.summary.labels?.find(({ segment }) => segment === part)?.name;
   const first = SHOWN_FIRST.flatMap((part) => labelled(part) ?? []).map((label) => `${kind}.${label}`);
+  const [captured, showCaptured] = useState(false);
+  const fitted = about !== "" && !captured;
   return (
-    <Shown
-      source={{ of: "motions", id: motion.id }}
-      first={first}
-      stage={(cursor) => <CaptureView motionId={motion.id} about={about} name={motion.name} cursor={cursor} />}
-    />
+    <>
+      {about !== "" && (
+        <SegmentedControl
+          aria-label="What is shown over time"
+          data={[
+            { value: "fitted", label: "Angles of the fitted body" },
+            { value: "captured", label: "As captured" },
+          ]}
+          value={fitted ? "fitted" : "captured"}
+          onChange={(value) => showCaptured(value === "captured")}
+        />
+      )}
+      <Shown
+        key={fitted ? about : motion.id}
+        source={fitted ? { of: "jobs", id: about } : { of: "motions", id: motion.id }}
+        first={fitted ? ANGLES_FIRST : first}
+        stage={(cursor) => <CaptureView motionId={motion.id} about={about} name={motion.name} cursor={cursor} />}
+      />
+    </>
   );
 }
 
