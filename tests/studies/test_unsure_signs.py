@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,20 +11,24 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from tests.plausibility.long_arm import long_arm, record
+from tests.plausibility.long_arm import JOINTS, K_T, long_arm, record
 
 from exogauge.studies.evaluate import evaluate
 
 pytestmark = pytest.mark.slow
 
 
-def identified(place: Path, rub: float) -> dict[str, Any]:
-    """The wrist turned in all logs."""
+def identified(place: Path, rub: float, checked: bool = False) -> dict[str, Any]:
+    """The wrist turned in all logs, which hold torques. checked: robot.yaml says of every joint that somebody has
+    looked."""
     long_arm(place)
+    robot, looked = place / "robot.yaml", "sign_checked: true, " if checked else ""
+    robot.write_text(re.sub(r"actuation: current, prior: {.*}}", f"{looked}actuation: torque}}", robot.read_text()))
     lines = []
     for seed, role in ((1, "identification"), (2, "identification"), (3, "validation")):
         columns = record(seed, rub=rub)
-        columns |= {name: -columns[name] for name in ("q.wrist", "i.wrist")}
+        columns |= {f"tau.{name}": k_T * columns.pop(f"i.{name}") for name, k_T in zip(JOINTS, K_T, strict=True)}
+        columns |= {name: -columns[name] for name in ("q.wrist", "tau.wrist")}
         pq.write_table(pa.table({name: np.asarray(each) for name, each in columns.items()}), place / f"{seed}.parquet")
         lines.append(f"  - {{file: {seed}.parquet, role: {role}}}\n")
     (place / "study.yaml").write_text(
@@ -33,10 +38,19 @@ def identified(place: Path, rub: float) -> dict[str, Any]:
     return json.loads((place / "out" / "results.json").read_text())
 
 
-def test_where_the_logs_do_not_tell_a_joints_sign_none_of_its_parameters_counts_as_decided(tmp_path: Path) -> None:
-    found = identified(tmp_path, rub=8.0)
+def test_a_joint_of_unsure_sign_has_no_decided_parameter_until_somebody_has_looked(tmp_path: Path) -> None:
+    found, stated = identified(tmp_path / "as_told", rub=8.0), identified(tmp_path / "looked", rub=8.0, checked=True)
     unsure = {each["channel"][2:] for each in found["doctor"] if each["rule"] == "sign_unsure"}
     assert "wrist" in unsure
-    decided = {each["name"] for each in found["identification"]["parameters"] if each["identifiable"]}
-    assert not [name for name in decided if name.endswith(tuple(f"[{joint}]" for joint in unsure))]
+    assert not [each for each in stated["doctor"] if each["rule"] == "sign_unsure"]
+    of_the_wrist = [
+        {
+            each["name"]: each["identifiable"]
+            for each in one["identification"]["parameters"]
+            if "[wrist]" in each["name"]
+        }
+        for one in (found, stated)
+    ]
+    assert not any(of_the_wrist[0].values())
+    assert of_the_wrist[1]["tau_c[wrist]"]
     assert "tau_c[wrist]" in found["identification"]["unidentifiable"]

@@ -102,12 +102,13 @@ def gravity_left_out(robot: Robot, expected: Sequence[Expected]) -> Slip | None:
 
 
 def unsure_signs(robot: Robot, expected: Sequence[Expected]) -> dict[int, bool]:
-    """Joints of which these logs do not tell whether position and effort are both turned, as the last of an arm that is
-    round about its axis, and whether they fit better so. Friction does not tell it, as both turn."""
+    """Joints of which neither these logs nor robot.yaml tell whether position and effort are both turned, as the last
+    of an arm that is round about its axis, and whether they fit better so. Friction does not tell: both turn."""
     if not expected:
         return {}
     state = _State(robot, expected)
-    gains, least = state.gains_of_turned(), state.criteria.undecided
+    checked = {joint for joint, its in enumerate(robot.joints) if its.sign_checked}
+    gains, least = state.gains_of_turned(checked), state.criteria.undecided
     return {remedy.joints[0]: gain > least for remedy, gain in gains.items() if gain > -least}
 
 

@@ -234,7 +234,10 @@ def as_unsure_sign(robot: Robot, joint: int, better: bool) -> Finding:
         f"and its effort fit {'better, not surely' if better else 'as well'} with both signs turned: whether they are "
         "right these logs do not tell, and no parameter of the joint counts as decided"
     )
-    advice = "look which way it turns as its angle grows, or record it with a weight beside its axis"
+    advice = (
+        "look which way it turns as its angle grows, and state `sign_checked: true` of it in robot.yaml, or record it "
+        "with a weight beside its axis"
+    )
     return Finding("warning" if better else "note", f"q.{robot.joints[joint].name}", UNSURE_SIGN, detail, advice)
 
 

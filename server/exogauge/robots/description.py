@@ -31,6 +31,7 @@ class Joint:
     actuation none: neither current nor torque is logged; the joint moves, and gives no equation of its own.
     A torque-actuated joint has k_T = 1, known. Missing priors are 0 (k_T of a current-actuated joint must be given),
     missing standard deviations are chosen by `identification.prior`.
+    sign_checked: somebody has looked that it turns in the logs as it does in the URDF.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Joint:
     gear_ratio: float | None = None
     prior: Mapping[str, float] = field(default_factory=dict)
     prior_std: Mapping[str, float] = field(default_factory=dict)
+    sign_checked: bool = False
 
 
 @final

@@ -217,13 +217,15 @@ class JointPriorStd(_Part):
 
 
 class JointEntry(_Part):
-    """actuation none: the joint moves, its position is logged, and neither its current nor its torque."""
+    """actuation none: the joint moves, its position is logged, and neither its current nor its torque. sign_checked:
+    somebody has looked that it turns in the logs as it does in the URDF."""
 
     name: Name
     actuation: Literal["current", "torque", "none"]
     gear_ratio: Number | None = None
     prior: JointPrior = JointPrior()
     prior_std: JointPriorStd = JointPriorStd()
+    sign_checked: bool = False
 
     @model_validator(mode="after")
     def _check(self) -> Self:

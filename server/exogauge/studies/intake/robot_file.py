@@ -92,6 +92,7 @@ def describe(entry: RobotFile, tree: RigidTree, page: YamlPage, name: str) -> Ro
                 joint.gear_ratio,
                 joint.prior.model_dump(exclude_none=True),
                 joint.prior_std.model_dump(exclude_none=True),
+                joint.sign_checked,
             )
             for joint in entry.joints
         ),
