@@ -133,10 +133,6 @@ def in_counts(channels: Channels) -> None:
     del channels["dq.hip"]
 
 
-def without_sign(channels: Channels) -> None:
-    channels["i.knee"] = np.abs(channels["i.knee"])
-
-
 def on_the_motors_side(channels: Channels) -> None:
     channels["q.ankle"] = 200.0 * channels["q.ankle"]
     del channels["dq.ankle"]
@@ -257,7 +253,6 @@ CASES = [
     ("degrees", "q.hip", in_degrees),
     ("motor_side", "q.ankle", on_the_motors_side),
     ("counts", "q.hip", in_counts),
-    ("sign_lost", "i.knee", without_sign),
     ("position_jumps", "q.hip", lose_counts),
     ("position_jumps", "q.finger", miss_one),
     ("beyond_limits", "q.hip", shift_zero),
@@ -522,29 +517,6 @@ def test_steps_smaller_than_the_noise_are_not_coarse():
     stepped = np.round(np.sin(np.arange(4000) / 300.0) / 0.05) * 0.05
     log = Log("log", np.arange(4000) / 200.0, {"i.hip": noisy, "i.knee": stepped})
     assert [found.channel for found in examine(log) if found.rule == "coarse"] == ["i.knee"]
-
-
-@pytest.mark.parametrize("channel", ["i.hip", "i.knee", "tau.ankle"])
-@pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize("step", [0.0, 0.02])
-def test_an_effort_that_lost_its_sign_is_told_by_never_going_beyond_zero(channel, side, step):
-    time, channels = healthy(np.random.default_rng(9))
-    if step:
-        channels[channel] = step * np.round(channels[channel] / step)
-    told = {f.rule for f in examine(Log("log", time, channels), EXPECTED)}
-    assert "sign_lost" not in told
-    channels[channel] = side * np.abs(channels[channel])
-    found = [f for f in examine(Log("log", time, channels), EXPECTED) if f.rule == "sign_lost"]
-    assert [(f.channel, f.severity) for f in found] == [(channel, "error")]
-
-
-@pytest.mark.parametrize("offset", [0.15, 9.0])
-def test_an_effort_that_bears_a_load_to_one_side_has_its_sign(offset):
-    """Also where it comes as near to zero as its noise now and then."""
-    rng = np.random.default_rng(10)
-    time, channels = healthy(rng)
-    channels["i.hip"] = offset + 1.0 + np.cos(channels["q.hip"] * 6.0) + 0.05 * rng.standard_normal(SAMPLES)
-    assert "sign_lost" not in {f.rule for f in examine(Log("log", time, channels), EXPECTED)}
 
 
 @pytest.mark.parametrize(("keep", "told"), [(1, False), (5, False), (20, True)])

@@ -178,15 +178,6 @@ class Examining:
     whole_numbers: int = criterion(
         10, "values", "that a position takes, all of them whole numbers, for them to be counts", judgement(RULES)
     )
-    at_zero: int = criterion(
-        10,
-        "samples",
-        "at zero, within a median step, of which none goes beyond: of an effort with a sign half of them would",
-        derived("a half to the power of 10: one in a thousand"),
-    )
-    visits: int = criterion(
-        5, "visits", "to zero, apart from each other: one or two a joint that bears a load may make", judgement(RULES)
-    )
     weight: float = criterion(0.1, "1", "by which the feet may carry more or less than the weight", judgement(RULES))
     weight_sign: float = criterion(
         0.25,

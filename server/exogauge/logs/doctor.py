@@ -23,7 +23,6 @@ RULES: tuple[Rule, ...] = (
     signal_rules.stored_low_passed,
     joint_rules.joint_missing,
     joint_rules.counts,
-    joint_rules.sign_lost,
     joint_rules.jumps,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,

@@ -52,27 +52,6 @@ def _whole(values: Array, criteria: Examining) -> bool:
     return bool(np.all(known == np.round(known))) and len(np.unique(known)) >= criteria.whole_numbers
 
 
-def sign_lost(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """An effort that comes to zero time and again, as near as its steps and noise let it, and never goes beyond, while
-    its joint moves."""
-    criteria, moves = expected.criteria, joint_channels(log, "q")
-    for channel, joint, values in (
-        (f"{kind}.{j}", j, v) for kind in ("i", "tau") for j, v in joint_channels(log, kind).items()
-    ):
-        low, high = np.nanmin(values, initial=0.0), np.nanmax(values, initial=0.0)
-        if low < 0.0 < high or not (varies(values) and joint in moves and varies(moves[joint])):
-            continue
-        size = np.abs(values)
-        at_zero = np.flatnonzero((size > 0.0) & (size <= np.nanmedian(np.abs(np.diff(values)))))
-        visits = np.count_nonzero(np.diff(at_zero) > criteria.around) + 1
-        if len(at_zero) < criteria.at_zero or visits < criteria.visits:
-            continue
-        side = "negative" if high > 0.0 else "positive"
-        detail = f"comes to zero {visits} times, within what it changes from sample to sample, and is never {side}"
-        advice = "is it the size alone? Log it with its sign"
-        yield Finding("error", channel, "sign_lost", detail, advice, value=float(visits))
-
-
 def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
     """Positions beyond the joint's limits; or 57 times, or the gear, too large: then degrees, or the motor's."""
     for joint, values in joint_channels(log, "q").items():

@@ -45,7 +45,7 @@ from exogauge.support.settings import WornLog
 OF_THE_BASE = ("acc", "gyro", "ft", "t")  # where these are wrong, so is what every joint should bear
 SLIPS = {  # of a mapping, which every log has, though not every log moves so that it shows
     "acceleration_unit", "gravity_missing", "gyro_in_degrees", "gyro_sign", "gyro_frame", "wrench_sign", "force_unit",
-    "couple_first", "degrees", "motor_side", "counts", "sign_lost",
+    "couple_first", "degrees", "motor_side", "counts",
 }  # fmt: skip
 
 
