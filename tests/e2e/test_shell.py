@@ -90,7 +90,7 @@ def test_a_service_that_is_silent_is_named_and_its_return_is_noticed(
     for pattern in ("**/api/**", "**/readyz"):
         page.route(pattern, answer)
     page.goto("/studies")
-    expect(page.get_by_role("heading", name="Handed in")).to_be_visible()
+    expect(page.get_by_role("heading", name="Drop a study here")).to_be_visible()
     away["now"] = True
     page.get_by_role("link", name="exogauge", exact=True).click()
     page.evaluate("window.dispatchEvent(new Event('focus')), document.dispatchEvent(new Event('visibilitychange'))")
