@@ -5,7 +5,7 @@ What needs no comparison: channels without life, efforts and speeds that the rob
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -67,45 +67,7 @@ def examine_against_robot(
             yield log.name, finding
     chosen = _looked_at(logs, fitted, criteria.most_logs)
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
-    leg = turned_leg(robot, seen)
-    if leg is not None:  # before all that feet tell of the base
-        seen = [leg.remedy.undo(each) for each in seen]
-        for log in logs:
-            yield log.name, as_turned_leg(robot, leg)
-    axes = contact_axes(robot, seen)
-    if axes is not None:  # before the IMU, which is told by the contacts
-        seen = [axes.undo(each) for each in seen]
-        for log in logs:
-            yield log.name, as_other_axes(robot, axes)
-    turned = imu_findings(robot, seen)
-    for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
-        yield name, turned.get(name) or next(iter(turned.values()))
-    seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
-    gyros = [late_gyro(robot, each) for each in seen]
-    every = alike(gyros, seen)
-    known = {one.log: late for one, late in zip(seen, gyros, strict=True) if late}
-    for name in [log.name for log in logs] if every else known:
-        yield name, as_late(known.get(name) or next(iter(known.values())), every)
-    seen = [late.undo(each) if late else each for late, each in zip(gyros, seen, strict=True)]
-    unit = moment_unit(robot, seen)
-    if unit is not None:
-        seen = [unit.undo(each) for each in seen]
-        for log in logs:
-            yield log.name, as_unit(unit)
-    sides = exchanged_contacts(robot, seen)
-    if sides is not None:  # what legs bear would contradict it joint by joint
-        seen = [sides.undo(each) for each in seen]
-        for log in logs:
-            yield log.name, as_exchanged(robot, sides)
-    points = other_points(robot, seen)
-    if points is not None:
-        seen = [points.undo(each) for each in seen]
-        for log in logs:
-            yield from ((log.name, finding) for finding in as_other_points(robot, points))
-    for place, (one, gyro) in enumerate(zip(seen, gyros, strict=True)):
-        if (late := late_imu_or_contacts(robot, one)) and not (gyro and late.of_imu):
-            seen[place] = late.undo(one)
-            yield one.log, as_late(late)
+    seen = yield from _of_the_base(robot, logs, seen)
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, unlike, expected = find_slips(robot, seen)
@@ -147,6 +109,52 @@ def examine_against_robot(
     for name, finding in by_channel:
         if (name, finding.channel) not in told:
             yield name, finding
+
+
+def _of_the_base(
+    robot: Robot, logs: Sequence[Log], seen: list[Snapshot]
+) -> Generator[tuple[str, Finding], None, list[Snapshot]]:
+    """What feet and IMU tell of the base, before any joint is asked; returned are the snapshots with it undone."""
+    leg = turned_leg(robot, seen)
+    if leg is not None:  # before all that feet tell of the base
+        seen = [leg.remedy.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_turned_leg(robot, leg)
+    axes = contact_axes(robot, seen)
+    if axes is not None:  # before the IMU, which is told by the contacts
+        seen = [axes.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_other_axes(robot, axes)
+    turned = imu_findings(robot, seen)
+    for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
+        yield name, turned.get(name) or next(iter(turned.values()))
+    seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
+    gyros = [late_gyro(robot, each) for each in seen]
+    every = alike(gyros, seen)
+    known = {one.log: late for one, late in zip(seen, gyros, strict=True) if late}
+    for name in [log.name for log in logs] if every else known:
+        yield name, as_late(known.get(name) or next(iter(known.values())), every)
+    seen = [late.undo(each) if late else each for late, each in zip(gyros, seen, strict=True)]
+    unit = moment_unit(robot, seen)
+    if unit is not None:
+        seen = [unit.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_unit(unit)
+    sides = exchanged_contacts(robot, seen)
+    if sides is not None:  # what legs bear would contradict it joint by joint
+        seen = [sides.undo(each) for each in seen]
+        for log in logs:
+            yield log.name, as_exchanged(robot, sides)
+    points = other_points(robot, seen)
+    if points is not None:
+        seen = [points.undo(each) for each in seen]
+        for log in logs:
+            yield from ((log.name, finding) for finding in as_other_points(robot, points))
+    for place, (one, gyro) in enumerate(zip(seen, gyros, strict=True)):
+        if (late := late_imu_or_contacts(robot, one)) and not (gyro and late.of_imu):
+            seen[place] = late.undo(one)
+            yield one.log, as_late(late)
+    return seen
 
 
 def _signs_and_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Finding]:

@@ -27,10 +27,8 @@ from exogauge.studies.intake.contract import RobotFile, ShapeEntry
 from exogauge.studies.intake.mesh_files import Opener, load_mesh, mesh_opener
 
 Array = NDArray[np.float64]
-FLAT_M = 0.01  # judgement: by which soles at home stray from one floor; angles in whole degrees leave some mm
+HOME_FLAT_M = 0.01  # judgement: by which soles at home stray from one floor; angles in whole degrees leave some mm
 SMALLEST_M2 = 1e-4  # judgement: a heel of 1 cm by 1 cm; corners on a line leave nothing
-# [rad] each way, of a joint that the URDF calls continuous: a judgement, as cables bear more or less; `type: revolute`
-# with limits in the URDF says otherwise. No criterion: it stands in for a limit of the robot that its maker left out.
 
 
 def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, beside: bool = False) -> MotionRobot:
@@ -73,6 +71,8 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
         return np.array([value.get(name, none) if isinstance(value, dict) else value for name in joints])
 
     endless = {each.get("name") for each in read_urdf(urdf).findall("joint[@type='continuous']")}
+    # A turn each way of a joint without end is judgement, as cables bear more or less: it stands in for a limit that
+    # the maker left out. `type: revolute` with limits in the URDF says otherwise.
     turn = np.array([math.tau if name in endless else np.inf for name in joints])
     limits = JointLimits(
         np.maximum(tree.lower[order], -turn), np.minimum(tree.upper[order], turn),
@@ -108,7 +108,7 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path, *, bes
     corners = [sole.outline @ pose.rotation.T + pose.translation for sole, pose in zip(soles, at, strict=True)]
     home[2] = -min(each[:, 2].min() for each in corners)
     high = [float(each[:, 2].max() + home[2]) for each in corners]
-    if max(high) > FLAT_M:
+    if max(high) > HOME_FLAT_M:
         k = int(np.argmax(high))
         detail = f"at home a corner of this sole is {1e3 * high[k]:.0f} mm above the floor, on which the lowest stands"
         raise fault(detail, "not_flat", "Correct `home`, by hips, knees and ankles, or the outline", f"soles.{k}",
