@@ -332,7 +332,7 @@ def _estimate(
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
-    l_known = length.std <= known * stretch and not edge
+    l_known = length.std <= known * stretch and np.isfinite(l_interval[1]) and not edge
     return BandEstimate(
         band=band.name,
         group=band.group,
