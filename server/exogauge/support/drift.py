@@ -6,11 +6,11 @@ before and after.
 r: torque that the model leaves unexplained without a device; u_k: k_T i, viscous and Coulomb friction of the model;
 m_k: what it misses in this motion as a share of u_k, the same in all repetitions, so that only what changes between
 them tells. What is there, 1 + m_k of what is modelled, is what a drift changes: a joint that creeps has next to nothing
-of Coulomb's friction, and says nothing of its drift. o: a zero of this log. A drive warms and cools in first order, w_r(t) = (1 - exp(-t/T_r)) /
-(1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for each of R that span what
-motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign. A robot's motors warm in one
-session: of that variance c is of what all have in common, in units of s_k each, and 1 - c is each motor's own, so that
-those that a motion loads tell something of the others.
+of Coulomb's friction, and says nothing of its drift. o: a zero of this log. A drive warms and cools in first order,
+w_r(t) = (1 - exp(-t/T_r)) / (1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for
+each of R that span what motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign. A
+robot's motors warm in one session: of that variance c is of what all have in common, in units of s_k each, and 1 - c is
+each motor's own, so that those that a motion loads tell something of the others.
 """
 
 from __future__ import annotations
