@@ -29,7 +29,9 @@ def identified(place: Path, rub: float, checked: bool = False, every: int = 1) -
         columns = record(seed, rub=rub)
         columns |= {f"tau.{name}": k_T * columns.pop(f"i.{name}") for name, k_T in zip(JOINTS, K_T, strict=True)}
         columns |= {name: -columns[name] for name in ("q.wrist", "tau.wrist")}
-        pq.write_table(pa.table({name: np.asarray(each)[::every] for name, each in columns.items()}), place / f"{seed}.parquet")
+        pq.write_table(
+            pa.table({name: np.asarray(each)[::every] for name, each in columns.items()}), place / f"{seed}.parquet"
+        )
         lines.append(f"  - {{file: {seed}.parquet, role: {role}}}\n")
     (place / "study.yaml").write_text(
         f"version: 1\nname: arm\nrobot: robot.yaml\nlogs:\n{''.join(lines)}steps: [identify]\n"

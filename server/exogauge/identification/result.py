@@ -158,7 +158,7 @@ class Identification:
         return replace(self, parameters=parameters, unidentifiable=names)
 
     def with_undecided(self, joints: Collection[str], coefficients: Collection[str] = ()) -> Identification:
-        """The same, where no parameter of these joints, and no such coefficient of any, counts as decided by the data."""
+        """The same, where no parameter of these joints, nor such a coefficient, counts as decided by the data."""
         of, such = tuple(f"[{joint}]" for joint in joints), tuple(f"{name}[" for name in coefficients)
         there = [each for each in self.parameters if each.name.endswith(of) or each.name.startswith(such)]
         parameters = tuple(replace(e, identifiable=False) if e in there else e for e in self.parameters)
