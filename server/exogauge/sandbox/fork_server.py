@@ -41,12 +41,13 @@ class ForkServer:
 
     def serve(self) -> None:
         while True:
-            ready, _, _ = select.select([*self.channels, self.woken], [], [], None if self.running else IDLE_S)
+            waited = [self.woken, *(each.fileno() for each in self.channels)]
+            ready, _, _ = select.select(waited, [], [], None if self.running else IDLE_S)
             if self.woken in ready:
                 with suppress(BlockingIOError):
                     os.read(self.woken, 4096)
                 self.reap()
-            for channel in [each for each in self.channels if each in ready]:
+            for channel in [each for each in self.channels if each.fileno() in ready]:
                 if not self.take(channel):
                     self.channels.remove(channel)
                     channel.close()
