@@ -95,6 +95,11 @@ def test_a_capture_is_read_told_restated_and_its_feet_can_be_corrected(client: T
     for refused in (client.put(address, json=said, headers=stale), client.delete(address, headers=stale)):
         assert refused.status_code == 412
     assert client.put(address, json={"left": [[1.0, 0.5]], "right": []}).status_code == 422
+    beyond = client.put(address, json={"left": [[0.0, 1.0]], "right": [[0.0, 0.5], [0.8, 2.01]]})
+    assert (beyond.status_code, codes(beyond)) == (422, ["past_the_end"])
+    [told] = beyond.json()["errors"]
+    assert (told["column"], told["value"]) == ("right.1", "0.8 to 2.01 s")
+    assert "frame is 121, at 2 s" in told["advice"]
     assert client.get(address).json()["said"] == said
     gone = client.delete(address, headers={"If-Match": kept.headers["etag"]})
     assert (gone.json()["said"], gone.headers["etag"]) == (None, '"none"')

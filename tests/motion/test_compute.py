@@ -44,6 +44,18 @@ def test_stretches_and_samples_say_the_same() -> None:
     assert not back.right.any()
 
 
+def test_a_foot_stands_no_longer_than_the_motion_lasts() -> None:
+    """A stretch of 0 to 9 s was kept of a motion of 1.9."""
+    said = ContactsEntry(left=[[0.0, 0.5], [0.7, 1.94]], right=[[0.0, 9.0]])
+    with pytest.raises(BadMotion) as refused:
+        said.within(1.9, 10.0)
+    assert [(each.rule, each.column, each.value) for each in refused.value.faults] == [
+        ("past_the_end", "right.0", "0 to 9 s")
+    ]
+    rounded = ContactsEntry(left=said.left, right=[])
+    assert rounded.within(1.9, 10.0) == rounded
+
+
 def test_names_that_are_mapped_are_read_as_what_they_are_called(tmp_path: Path) -> None:
     path = tmp_path / "a.bvh"
     path.write_bytes(bvh(bow()).replace(b"Spine2", b"Brust"))

@@ -487,6 +487,25 @@ def test_a_table_of_opensim_that_holds_no_coordinates_is_refused(
 
 
 @pytest.mark.parametrize(
+    ("line", "rule", "key"),
+    [("nColumns=3", "column_count", "nColumns"), ("datacolumns 3", "column_count", "datacolumns"),
+     ("nRows=7", "frame_count", "nRows")],
+)  # fmt: skip
+def test_counts_of_a_header_that_differ_from_the_table_are_refused_at_their_row(
+    tmp_path: Path, line: str, rule: str, key: str
+) -> None:
+    """A table that had lost a column was taken: nobody compared nColumns."""
+    rows = "".join(f"{k / 100}\t{9.0 * k}\n" for k in range(8))
+    text = f"Coordinates\nversion=1\n{line}\ninDegrees=yes\n\nendheader\ntime\thip_flexion_r\n{rows}"
+    with pytest.raises(BadMotion) as found:
+        open_motion(_written(tmp_path / "a.mot", text))
+    [fault] = found.value.faults
+    assert (fault.rule, fault.row, fault.column) == (rule, 3, key)
+    fine = text.replace("columns 3", "columns 2").replace("Columns=3", "Columns=2").replace("Rows=7", "Rows=8")
+    assert open_motion(_written(tmp_path / "b.mot", fine)).angles is not None
+
+
+@pytest.mark.parametrize(
     ("asf", "amc", "rule"),
     [
         (ASF.replace("order TX", "axis ZYX\n  order TX"), AMC, "bad_axis"),

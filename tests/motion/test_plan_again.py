@@ -66,11 +66,11 @@ def test_a_plan_stays_where_a_tighter_one_is_not_found_and_one_on_more_nodes_is_
 
     def stop(made: Planned) -> bool:
         steps.append(made.spline.step)
-        return len(steps) in lost  # the first plan's one stretch is looked at twice, coarsely and on all nodes
+        return len(steps) in lost  # the first plan's stretch is looked at twice, coarsely too; the next goes on from it
 
     planned, judged, given = plan_within(robot, asked, careless.criteria, stop=stop)
     finer = asked.finer(USUAL.judged_hz).step
-    assert steps[:4] == pytest.approx([4.0 * asked.step, asked.step, 4.0 * asked.step, 4.0 * finer])
+    assert steps[:4] == pytest.approx([4.0 * asked.step, asked.step, asked.step, 4.0 * finer])
     assert planned.rounds > 0
     assert planned.spline.step == given.step
     assert judged.inside.min() >= careless.judged.inside.min() - 1e-6
@@ -121,6 +121,9 @@ def test_more_nodes_ask_the_same(robot: MotionRobot) -> None:
     assert finer.finer(100.0) is None
 
 
+UNEVEN = replace(USUAL, uneven=1e3, again=0)  # feet may share the load as they like
+
+
 @dataclass(frozen=True)
 class Leaning:
     """A robot with a knee that bears what it is asked only where the other leg takes more; its plan."""
@@ -136,7 +139,7 @@ def leaning(robot: MotionRobot) -> Leaning:
     asked.q[:, 1] += 0.1 * (asked.q[:, at(robot, "torso_pitch")] - robot.home[at(robot, "torso_pitch")])
     knee = robot.joints.index("l_knee_pitch")
     torque = robot.limits.torque.copy()
-    torque[knee] = 0.9 * np.abs(judge(robot, plan(robot, asked).spline, asked.place[0]).torque[:, knee]).max()
+    torque[knee] = 0.9 * np.abs(judge(robot, plan(robot, asked, UNEVEN).spline, asked.place[0]).torque[:, knee]).max()
     spared = replace(robot, limits=replace(robot.limits, torque=torque))
     return Leaning(spared, asked, plan_within(spared, asked)[1])
 
@@ -145,7 +148,7 @@ def leaning(robot: MotionRobot) -> Leaning:
 def test_legs_bear_a_plan_where_the_feet_share_evenly_too(leaning: Leaning, tmp_path: Path) -> None:
     """A table does not say how they share: the knee that a plan spared by leaning on the other was told as broken."""
     spared, asked = leaning.robot, leaning.asked
-    alone = plan(spared, asked)
+    alone = plan(spared, asked, UNEVEN)
     assert judge(spared, alone.spline, asked.place[0], planned=alone).broken == ()
     assert [line.split(":")[0] for line in judge(spared, alone.spline, asked.place[0]).broken] == [
         "torque of l_knee_pitch"
@@ -158,15 +161,13 @@ def test_legs_bear_a_plan_where_the_feet_share_evenly_too(leaning: Leaning, tmp_
 
 @pytest.mark.slow
 def test_what_would_do_holds_where_the_plan_of_it_does(leaning: Leaning) -> None:
-    """The search ended a second plan at its first stretch, and with it the first. Feet that share evenly cannot be had
-    by so dear a wrench: what the table of the plan without them breaks is broken, whoever asks."""
+    """What the table of a plan breaks is broken, whoever asks."""
     spared, asked = leaning.robot, leaning.asked
     assert kept(spared, asked, USUAL)
-    dear = replace(USUAL, evenly=(1e-8,), again=1, patience=3)
-    told = plan_within(spared, asked, dear)[1].broken
+    told = plan_within(spared, asked, UNEVEN)[1].broken
     assert told
     assert all(line.startswith("read from the table: torque of l_knee_pitch") for line in told)
-    assert not kept(spared, asked, dear)
+    assert not kept(spared, asked, UNEVEN)
 
 
 def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: MotionRobot) -> None:
@@ -189,7 +190,7 @@ def test_a_plan_begins_and_ends_at_home_even_where_less_torque_would_do_beside_i
     asked, planned = bent
     ends = planned.spline.at(np.array([0.0, planned.spline.duration]))
     assert ends[0] == pytest.approx(asked.q[[0, -1]], abs=1e-9)
-    assert max(np.abs(each).max() for each in ends[1:]) < 1e-6
+    assert max(np.abs(each).max() for each in ends[1:]) < 1e-5  # rad/s²: of a control point that is off by 2e-9
     hardly = weak(robot, 1.01 * just_enough(robot))
     assert not at_home(hardly, USUAL).lacks
     assert at_home(hardly, USUAL).excess > 0.0  # what is kept of the bound for planning is too little

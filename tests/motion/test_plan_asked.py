@@ -38,6 +38,19 @@ def test_the_trunk_is_asked_as_the_person_turns_it(robot: MotionRobot) -> None:
     assert ask(robot, leans)[1].max() == pytest.approx(0.2, abs=1e-3)
 
 
+def test_who_sits_or_crouches_at_first_rises_to_where_the_robot_stands(robot: MotionRobot) -> None:
+    """Where he began was taken for standing: the robot was asked to rise by as much beyond its straight legs."""
+    still = np.tile(np.eye(3), (31, 1, 1))
+    rises = np.linspace(0.0, 1.0, 31)[:, None] * [0.0, 0.0, 0.3]
+    person = Person("rises", np.arange(31) / 30.0, rises, still, still, {}, 0.8)
+    asked, _ = ask(robot, person, SOON)
+    assert asked.q[:, 2].max() == pytest.approx(robot.home[2], abs=1e-9)
+    other, _ = ask(robot, replace(person, pelvis=rises[::-1]), SOON)
+    assert np.sort(other.q[:, 2]) == pytest.approx(np.sort(asked.q[:, 2]), abs=1e-9)
+    a_little, _ = ask(robot, replace(person, pelvis=0.05 * rises), SOON)
+    assert a_little.q[:, 2].max() > robot.home[2] + 0.005  # home's knees are bent: there is room
+
+
 def test_a_robot_that_faces_elsewhere_is_asked_the_same(robot: MotionRobot, folder: Path, tmp_path: Path) -> None:
     """A root link that looks to the right, or back as iCub's: the base was asked to turn round on feet that stay."""
     whole = yaml.safe_load((folder / "robot.yaml").read_text())

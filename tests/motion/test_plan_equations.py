@@ -49,6 +49,23 @@ def test_a_bound_that_a_round_was_near_is_in_the_equations_of_the_next(robot) ->
         assert (float((G @ x.ravel() - h).max()) >= broken - 1.0 - 1e-9) == seen
 
 
+def test_a_torque_that_a_round_was_near_stays_in_the_equations_with_those_of_the_nodes_beside(robot) -> None:
+    """Talos' shoulders: at one node after the other they took ten times their torque, 24 rounds long."""
+    asked, pairs = bend(robot, 0.1, 0.3), Pairs(replace(robot, shapes=()), USUAL.clearance_m)
+    spline, none = through(np.tile(robot.home, (len(asked.q), 1)), asked.step), np.zeros((len(asked.q), 2, 6))
+    used = shares(robot, spline, slopes(robot, asked, spline, none), pairs, USUAL)
+    far = replace(used, torque=np.zeros_like(used.torque))
+    near = replace(far, torque=far.torque.copy())
+    near.torque[6, 3] = -0.7
+    watched = Watched()
+    for each in (near, far):
+        watch(each, watched, USUAL)
+    assert not watched["torque", 1.0].any()
+    found = np.argwhere(watched["torque", -1.0])
+    assert set(found[:, 1]) == {3}
+    assert found[:, 0].tolist() == list(range(6 - USUAL.beside, 7 + USUAL.beside))
+
+
 def test_a_spline_at_its_nodes_is_the_spline_and_its_rates_are_its_slopes() -> None:
     rng = np.random.default_rng(0)
     spline = Spline(rng.normal(size=(12, 3)), 0.02)

@@ -120,7 +120,7 @@ def test_a_rate_at_which_nothing_can_be_judged_is_refused(written, folder: Path,
     """-5 ended in a traceback, 1 judged nine samples of a motion and found them fine."""
     command = ["motion", step, str(written[0]), "--robot", str(folder / "robot.yaml"), "--rate", rate]
     assert main(command) == 2
-    assert "rate_hz" in capsys.readouterr().err
+    assert "--rate [Hz]" in capsys.readouterr().err
 
 
 def test_joints_that_a_file_does_not_name_stay_at_home(written, robot: MotionRobot, tmp_path: Path) -> None:

@@ -157,3 +157,18 @@ def test_a_table_with_a_number_that_no_joint_has_is_refused_at_its_cell(robot, t
     file = table(tmp_path / "a.csv", {"t": t, "q.torso_pitch": angle})
     fault = fault_of(lambda: read_written(robot, file))
     assert (fault.rule, fault.row, fault.column) == ("not_a_number", 8, "q.torso_pitch")
+
+
+def test_a_file_of_another_kind_is_refused_with_the_command_that_takes_it(robot, folder: Path, tmp_path: Path) -> None:
+    """A URDF "must hold keys and values", a MOT needed "layout: {skip_lines: 6} in a mapping", a cut ended at inf s."""
+    fault = fault_of(lambda: load_motion_robot(folder / "robot.urdf"), BadRobot)
+    assert (fault.rule, fault.row) == ("a_urdf", 1)
+    assert "exogauge motion robot" in fault.advice
+    (tmp_path / "angles.mot").write_text("inDegrees=yes\nendheader\ntime\thip\n0\t0\n")
+    (tmp_path / "b.bvh").write_bytes(bvh(bow()))
+    for name in ("angles.mot", "b.bvh"):
+        fault = fault_of(lambda name=name: read_written(robot, tmp_path / name))
+        assert (fault.rule, fault.file) == ("a_capture", name)
+        assert "exogauge motion retarget" in fault.advice
+    person = person_of(open_motion(tmp_path / "b.bvh"))
+    assert "from 30 s on" in fault_of(lambda: person.cut(30.0, np.inf)).detail

@@ -226,9 +226,10 @@ def get_contacts(motion_id: Id, store: ReaderDep, response: Response) -> Contact
 def put_contacts(
     motion_id: Id, wanted: ContactsEntry, store: StoreDep, response: Response, if_match: IfMatch = None
 ) -> ContactsOut:
-    """Say when each foot stands; plans that are asked from now on take it so."""
+    """Say when each foot stands, until the last frame at most; plans that are asked from now on take it so."""
     key, content = str(motion_id), wanted.model_dump()
-    store.motions.get(key)
+    summary = store.motions.get(key).summary
+    wanted.within(float(summary.get("seconds", 0.0)), float(summary["rate_hz"]))
     if store.contacts.find(key) is None:
         refuse_changed(if_match, NOBODY_SAID, CONTACTS)
     store.contacts.keep(key, content, hash_of(content), lambda old: refuse_changed(if_match, f'"{old}"', CONTACTS))

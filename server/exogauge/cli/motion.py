@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from exogauge.robots.moving.robot import MotionRobot
 
 ROWS = "between the rows"
+OPTIONS = {"begin": "--from [s]", "end": "--to [s]", "margin_m": "--margin [m]", "rate_hz": "--rate [Hz]"}
 
 
 def add_commands(commands: Commands) -> None:
@@ -332,7 +333,7 @@ def _entry(given: Mapping[str, object]) -> RetargetEntry:
     except ValidationError as wrong:
         raise BadMotion([
             Fault(each["msg"].removeprefix("Value error, "), each["type"],
-                  column=".".join(map(str, each["loc"])) or None,
+                  column=OPTIONS.get(key := ".".join(map(str, each["loc"])), f"--{key}") if each["loc"] else None,
                   value=str(each["input"])[:200] if each["loc"] else None) for each in wrong.errors()
         ]) from wrong  # fmt: skip
 

@@ -17,8 +17,8 @@ class MotionPlan:
     this frequency; a trunk moves below 2 Hz. margin_m: by which the centre of pressure keeps inside the soles; 5 mm of
     it are for what lies between nodes. friction: of soles on a floor; rubber on wood has .7. least_weight: share of the
     weight that the feet carry at least; below it the centre of pressure says little. near: share of a bound from which
-    on it stands in the equations. kept: share of velocity, acceleration and torque that is used, for what lies between
-    nodes.
+    on it stands in the equations; beside: nodes to either side at which a torque does so too. kept: share of velocity,
+    acceleration and torque that is used, for what lies between nodes.
     apart_m: by which what must not touch is kept apart at the nodes; clearance_m: at least, between them too; 5 mm are
     for edges that pass each other between nodes (4 mm were seen). look_m: nearer pairs stand in the equations. out_m:
     by which what is inside each other is taken apart in one round; it is not further that slopes hold.
@@ -26,20 +26,21 @@ class MotionPlan:
     them at most, so that nothing is jumped over; slid_rad: below which they stand still.
     again: times that a plan is made anew where it, or its table, breaks a bound that the nodes keep. More nodes come
     after tighter bounds, as they cost more: JVRC-1's centre of pressure came to 8 mm of the edge with 67 nodes a second
-    while it raised a knee, to 14.9 mm with 100, of 20 kept. more_kept: share of such a bound that is kept beside, as a
-    plan that was changed swings elsewhere; Talos' arms bind at 98 % and swung to 101.
+    while it raised a knee, to 14.9 mm with 100, of 20 kept. more_kept: share of such a bound that is kept beside,
+    and of half a foot of margin, as a plan that was changed swings elsewhere; Talos' arms bind at 98 % and swung to
+    101.
     trunk_rad, pelvis_rad, pelvis_m, limb_rad: by how much each may stray from what is asked at equal cost; the trunk is
     what is evaluated. free_rad: likewise of joints of which nothing is asked, for smoothness alone. wrench: likewise of
-    the feet's loads, in weights: it decides how two feet share, not where the body goes. evenly: likewise where a leg
-    bears it only as they share, one after the other; JVRC-1's took 117 % of its torque where its feet shared evenly,
-    and none at .3; Talos' took 106 % then, and none at .03, with which JVRC-1 tipped over. Its pelvis follows 2 to 8 cm
-    less so. slack_cost: of a bound that is exceeded by its whole size at one node; more than any angle is worth.
+    the feet's loads, in weights: it pulls at the body, and is loose. uneven: likewise by how much two feet share it
+    other than as evenly as they can, which pulls at nothing: a table of joints says no more. Talos' knees took 120 % of
+    their torque where its feet shared evenly and the plan's did not, 107 at .1, and none at .01.
+    slack_cost: of a bound that is exceeded by its whole size at one node; more than any angle is worth.
     done_rad: largest step of the last round, and held [m or rad], floats [share of the weight]: what feet and dynamics
     may be off then; half of what is promised. over: share of a bound by which it may then be exceeded more than was
     planned; half of what is kept. loosely: times as much where a plan is begun.
-    far_off: times as far off as the round before, from which on that one is taken up again, nearer to what was: slopes
-    promised what is not there. stillest: times the pelvis' own weight; steps are then a hundredth of what the equations
-    say.
+    far_off: times as far astray as the round before, from which on that one is taken up again, nearer to what was:
+    slopes promised what is not there. stillest: times the pelvis' own weight; steps are then a hundredth of what the
+    equations say.
     rounds: at most; patience: in which neither the step nor what is wrong falls below `nearer` times its least so
     far, until a stretch is given up; two knee raises of CMU 13_29 took 7 of them, and then came to their end.
     aside: [rad or m] by which a joint may begin or end beside home; a plan is there to round-off where one was found.
@@ -63,6 +64,7 @@ class MotionPlan:
     friction: float = 0.5
     least_weight: float = 0.3
     near: float = 0.6
+    beside: int = 2
     kept: float = 0.98
     apart_m: float = 0.015
     clearance_m: float = 0.01
@@ -79,7 +81,7 @@ class MotionPlan:
     limb_rad: float = 0.2
     free_rad: float = 2.0
     wrench: float = 10.0
-    evenly: tuple[float, ...] = (0.3, 0.03)
+    uneven: float = 0.01
     slack_cost: float = 1e4
     done_rad: float = 2e-2
     loosely: float = 10.0

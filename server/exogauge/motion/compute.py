@@ -171,8 +171,9 @@ def _asked(folder: Path, kind: str) -> PlanFile:
 def _with_contacts(capture: Capture, file: PlanFile) -> Capture:
     if file.contacts is None:
         return capture
-    contacts = contacts_from(capture.motion.time, file.contacts)
-    return replace(capture, motion=replace(capture.motion, contacts=contacts))
+    motion = capture.motion
+    contacts = contacts_from(motion.time, file.contacts.within(float(motion.time[-1]), motion.rate))
+    return replace(capture, motion=replace(motion, contacts=contacts))
 
 
 def _sources(folder: Path) -> dict[str, bytes]:

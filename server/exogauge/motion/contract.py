@@ -8,6 +8,7 @@ from typing import Annotated, Literal, final
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from exogauge.criteria.motion_plan import USUAL
+from exogauge.errors import BadMotion, Fault
 
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
 Unit = Literal["m", "cm", "mm", "in", "cmu"]
@@ -53,6 +54,21 @@ class ContactsEntry(_Part):
         if any(b < a for a, b in pairwise(flat)):
             raise ValueError("stretches must follow each other, each ending after it begins")
         return spans
+
+    def within(self, seconds: float, rate_hz: float) -> ContactsEntry:
+        """The same, of a motion that takes so long; one that ends half a frame beyond its last is rounded.
+
+        Raises BadMotion where a stretch goes on past the motion's end."""
+        faults = [
+            Fault("the stretch goes on past the motion's end", "past_the_end",
+                  f"The last frame is {round(seconds * rate_hz) + 1}, at {seconds:g} s: end the stretch there",
+                  column=f"{foot}.{k}", value=f"{begin:g} to {end:g} s")
+            for foot, spans in (("left", self.left), ("right", self.right))
+            for k, (begin, end) in enumerate(spans) if end > seconds + 0.5 / rate_hz
+        ]  # fmt: skip
+        if faults:
+            raise BadMotion(faults)
+        return self
 
 
 @final

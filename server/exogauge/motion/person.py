@@ -58,7 +58,8 @@ class Person:
         """From `begin` to `end` [s]."""
         kept = (self.time >= begin - 1e-9) & (self.time <= end + 1e-9)
         if kept.sum() < 2:
-            raise BadMotion(Fault(f"nothing is left between {begin:g} and {end:g} s", "empty_cut",
+            span = f"between {begin:g} and {end:g} s" if np.isfinite(end) else f"from {begin:g} s on"
+            raise BadMotion(Fault(f"nothing is left {span}", "empty_cut",
                                   f"The motion lasts {self.time[-1]:g} s", self.name))  # fmt: skip
         self._refuse_what_is_none(kept)
         contacts = self.contacts and Contacts(self.contacts.left[kept], self.contacts.right[kept])
@@ -142,7 +143,8 @@ def person_of(motion: HumanMotion) -> Person:
     """Of a skeleton. Raises BadMotion where it has no pelvis, thorax, thighs and feet."""
     tree = motion.tree
     if tree is None:
-        raise _fault(motion, "the motion has no skeleton", "no_skeleton", "Fit a body to its markers first")
+        raise _fault(motion, "joint angles alone have no skeleton", "no_skeleton",
+                     "Give the markers or the skeleton that they are of; to markers a body is fitted")  # fmt: skip
     bones = bones_of(tree)
     needed: tuple[Segment, ...] = ("pelvis", "thorax", "l_thigh", "r_thigh", "l_foot", "r_foot")
     lost = [part for part in needed if part not in bones]

@@ -28,8 +28,9 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
     end = next((k for k, line in enumerate(lines) if line.strip().lower() == "endheader"), None)
     if end is None or len(lines) < end + 3:
         raise fault(path, "no header ends here", "not_storage", "A MOT file has endheader, a line of names, then rows")
-    pairs = (line.replace("=", " ").lower().split() for line in lines[:end])
+    pairs = [line.replace("=", " ").lower().split() for line in lines[:end]]
     header = {pair[0]: pair[1] for pair in pairs if len(pair) == 2}
+    said_in = {pair[0]: row for row, pair in enumerate(pairs, start=1) if len(pair) == 2}
     if OTHER.fullmatch(lines[0].strip()):
         raise fault(path, "this table of OpenSim's holds no coordinates", "no_coordinates",
                     "Give the one called Coordinates: the .mot of inverse kinematics, or …_q.sto", row=1,
@@ -43,10 +44,15 @@ def read_storage(path: Path, angle: str | None = None) -> HumanMotion:
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise fault(path, "two columns have one name", "column_twice", "Name each once", row=head, column=twice)
-    stated = header.get("nrows", header.get("datarows", str(len(rows))))
-    if stated != str(len(rows)):
-        raise fault(path, f"{len(rows)} rows are there and {stated} announced", "frame_count",
-                    "The file was cut off: export it again", column="nRows", value=stated)  # fmt: skip
+    for keys, there, rule, advice in (
+        (("nColumns", "datacolumns"), len(names), "column_count", "A column was lost or added: export it again"),
+        (("nRows", "datarows"), len(rows), "frame_count", "The file was cut off: export it again"),
+    ):
+        key = next((key for key in keys if key.lower() in header), None)
+        stated = str(there) if key is None else header[key.lower()]
+        if key is not None and stated != str(there):
+            raise fault(path, f"{there} {keys[0][1:].lower()} are there and {stated} announced", rule, advice,
+                        row=said_in[key.lower()], column=key, value=stated)  # fmt: skip
     for row, words in rows:
         if len(words) != len(names):
             raise fault(

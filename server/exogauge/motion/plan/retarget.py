@@ -52,6 +52,9 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     q[:, 3:6] = np.unwrap((ahead * level * turn * ahead.inv()).as_euler("ZXY"), axis=0)
     scale = _hip_height(robot) / person.hip_height
     q[:, :3] = home[:3] + scale * level.apply(place - place[0]) @ facing.T
+    rises = float(q[:, 2].max()) - home[2]
+    if rises > _hip_height(robot) - _hip_height(robot, home):  # beyond straight legs: who sits or crouches at first
+        q[:, 2] -= rises
     missed = np.empty(count)
     stray = np.full(model.nq, np.inf)
     stray[:3], stray[3:6] = criteria.pelvis_m, criteria.pelvis_rad
@@ -160,10 +163,10 @@ def _facing(robot: MotionRobot) -> Array:
     return np.stack([np.cross(y, [0.0, 0.0, 1.0]), y, [0.0, 0.0, 1.0]], axis=1)
 
 
-def _hip_height(robot: MotionRobot) -> float:
-    """[m] of the hips over the soles' links, all joints at zero."""
+def _hip_height(robot: MotionRobot, posture: Array | None = None) -> float:
+    """[m] of the hips over the soles' links, all joints at zero where no posture is given."""
     model, data = robot.model, robot.data
-    pin.forwardKinematics(model, data, pin.neutral(model))
+    pin.forwardKinematics(model, data, pin.neutral(model) if posture is None else posture)
     hip = data.oMi[int(robot.leg(0)[0]) + 1].translation[2]
     return float(hip - pin.updateFramePlacement(model, data, robot.frame(robot.soles[0].link)).translation[2])
 

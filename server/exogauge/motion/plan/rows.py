@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.sparse import csc_matrix
 
 from exogauge.criteria.motion_plan import HALF_FOOT_M, MotionPlan
@@ -219,11 +220,15 @@ def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, crit
 
 
 def watch(used: Shares, watched: Watched, criteria: MotionPlan) -> None:
-    """Rates, accelerations and jerks that are near their bounds are written to `watched`. They stay: a jerk that is
-    left out of one round is broken by it, and the rounds come to no end."""
-    for what in ("rate", "fast", "jerk"):
+    """Rates, accelerations, jerks and torques that are near their bounds are written to `watched`, torques for `beside`
+    nodes more to either side. They stay: what is left out of one round is broken by it, and the rounds come to no end;
+    a torque that was broken at one node was so at the next in the round after, along the whole motion.
+    """
+    for what in ("rate", "fast", "jerk", "torque"):
         for sign in (1.0, -1.0):
             near = sign * getattr(used, what) > criteria.near
+            if what == "torque":
+                near = maximum_filter1d(near, 2 * criteria.beside + 1, axis=0)
             watched[what, sign] = near | watched.get((what, sign), near)
 
 
@@ -231,9 +236,9 @@ def bounds(
     robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, used: Shares, pairs: Pairs,
     criteria: MotionPlan, watched: Watched,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
-    """G x ≤ h, each row with its node's slack: what `used` has near its bound, friction, pressure, weight.
+    """G x ≤ h, each row with its node's slack: what is or was near its bound, friction, pressure, weight.
 
-    watched: rates, accelerations and jerks, as of `watch`.
+    watched: as of `watch`.
     """
     N, n, F, h = len(slope.torque), robot.model.nq, len(robot.soles), spline.step
     rows = Rows(n + 6 * F + 1, N + 2)
@@ -254,7 +259,7 @@ def bounds(
         chain("rate", h * limits.velocity, (-1.0, 1.0), sign)
         chain("fast", h**2 * limits.acceleration, (1.0, -2.0, 1.0), sign)
         chain("jerk", h**3 * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
-        k, j = (each.astype(np.intp) for each in np.nonzero(sign * used.torque > criteria.near))
+        k, j = (each.astype(np.intp) for each in np.nonzero(watched["torque", sign]))
         top = sign / (kept * limits.torque[j])[:, None]
         by = [each[k, joints[j]] * top for each in (slope.by_q, slope.by_v, slope.by_a)]
         by_wrench = -np.moveaxis(slope.feet, 3, 1)[k, joints[j]].reshape(len(k), 6 * F) * top * robot.weight

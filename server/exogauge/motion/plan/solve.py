@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+import pinocchio as pin
 import piqp
 from numpy.typing import NDArray
 from scipy.interpolate import interp1d
@@ -20,6 +21,7 @@ from exogauge.motion.plan.clear import cleared
 from exogauge.motion.plan.rows import Watched, bounds, equations, shares, slopes, watch
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.strain import EVENLY
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
@@ -71,6 +73,11 @@ class Planned:
         """(T, F) likewise: it is led to its place by then."""
         return self.standing(time)
 
+    def between(self, begin: int, end: int) -> Planned:
+        """From node `begin` to node `end`, both in it, as a guess: nothing is exceeded, no round was made."""
+        spline = replace(self.spline, control=self.spline.control[begin : end + 3])
+        return Planned(spline, self.wrench[begin : end + 1], np.zeros(end + 1 - begin), 0, np.inf)
+
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
         nodes = self.spline.step * np.arange(len(self.wrench))
@@ -84,11 +91,12 @@ Stop = Callable[[Planned], bool]
 
 def plan(
     robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
-    stop: Stop | None = None,
+    stop: Stop | None = None, start: Planned | None = None,
 ) -> Planned:  # fmt: skip
     """Stretch by stretch, each with a look ahead that the next one plans anew; at rest at both ends, in the postures
     that are asked there. report: told before each round. stop: asked of what was found of a stretch, on the coarse
-    nodes and on all; where it says so the plan ends.
+    nodes and on all; where it says so the plan ends. start: a plan on the same nodes whose bounds were a little others:
+    it is gone on from, on all nodes.
 
     Raises BadMotion where no posture keeps the feet where they stand, or where it was stopped.
     """
@@ -116,7 +124,8 @@ def plan(
                 raise BadMotion(Fault("not every bound can be kept from {:.2f} to {:.2f} s".format(*span), "not_kept",
                                       "Slow it down, or ask for less of the trunk's angle", robot.name))  # fmt: skip
 
-        made = _stretch(robot, asked.between(begin, end), ends, pairs, criteria, tell, check)
+        near = None if start is None else start.between(begin, end)
+        made = _stretch(robot, asked.between(begin, end), ends, pairs, criteria, tell, check, near)
         if made.unsettled:
             unsettled.append(span)
         control[begin : end + 3], wrench[begin : end + 1], excess[begin : end + 1] = (
@@ -139,10 +148,14 @@ class _Ends:
 
 def _stretch(
     robot: MotionRobot, asked: Asked, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report,
-    check: Callable[[Planned], None],
+    check: Callable[[Planned], None], near: Planned | None,
 ) -> Planned:  # fmt: skip
     """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all, unless
-    that was given up."""
+    that was given up. From a plan that is near on all at once."""
+    if near is not None:
+        found = _settle(robot, asked, near, ends, pairs, criteria, report)
+        check(found)
+        return found
     rough = asked.every(criteria.coarse)
     begin = rough.q.copy()
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
@@ -192,7 +205,8 @@ def _settle(
         low[given, robot.base : n], high[given, robot.base : n] = -np.inf, np.inf
     settled = np.ones_like(asked.stands)  # where the feet can be moved
     settled[: ends.led] = False
-    still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
+    still = 1.0 if wrench.any() else 0.0  # weight of staying near the round before; a plan is near to what is sought
+    missed, last = np.inf, np.inf  # how far the round before was astray; its step
     kept, nearest = None, (spline, wrench, excess)  # of the round before, with its slopes; of the one that lacks least
     lacked = np.inf
     least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
@@ -205,7 +219,7 @@ def _settle(
         strays = float(np.abs(slope.error[settled]).max(initial=0.0))
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
         over = float((used.beyond - np.maximum(excess, 0.0)).max())  # more than the equations said
-        wrong = strays + floats + over
+        astray = strays + floats  # from what slopes promised; a bound that stood in no equation was not promised
         lacks = max(strays / criteria.held, floats / criteria.floats, over / criteria.over)
         held, off = lacks < 1.0, max(lacks, size / criteria.done_rad)
         report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max()), off))
@@ -217,14 +231,14 @@ def _settle(
             lacked, nearest = max(lacks, float(excess.max()) / criteria.over), (spline, wrench, excess)
         if rounds >= criteria.rounds or rounds - since >= criteria.patience:
             return Planned(*nearest, guess.rounds + rounds, size, whole)
-        if kept and wrong > max(criteria.far_off * missed, 0.5) and still < criteria.stillest:
+        if kept and astray > max(criteria.far_off * missed, 0.5) and still < criteria.stillest:
             spline, wrench, excess, slope, used = kept  # slopes promised what is not there: again, nearer to what was
             still, rounds = min(max(8.0 * still, 1.0), criteria.stillest), rounds + 1
         else:
             if missed < np.inf:
-                stuck = size > 0.5 * last if held else wrong > 0.5 * missed
+                stuck = size > 0.5 * last if held else astray > 0.5 * missed
                 still = min(max(8.0 * still, 1.0), criteria.stillest) if stuck else still / 2.0
-            missed, last = wrong, size
+            missed, last = astray, size
         kept = spline, wrench, excess, slope, used
         A, b = equations(robot, asked, spline, wrench, slope, ends.first, ends.led, ends.last)
         G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria, watched)
@@ -251,7 +265,7 @@ def _settle(
 
 
 def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_matrix, Array]:
-    """½ xᵀP x + cᵀx over all stages: what is asked, smoothly; wrenches small; slack dear."""
+    """½ xᵀP x + cᵀx over all stages: what is asked, smoothly; wrenches small, and as even as may be; slack dear."""
     N, n, F, h = len(asked.q), robot.model.nq, len(robot.soles), asked.step
     wide = n + 6 * F + 1
     node = np.arange(N)
@@ -270,10 +284,15 @@ def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_m
         values.append((part.data[:, None] * each).ravel())
     stage = np.arange(1, N + 1)
     spare = (stage[:, None] * wide + n + np.arange(6 * F)).ravel()
-    shares = np.tile(np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1]) * criteria.wrench, N * F)
     rows.append(spare)
     cols.append(spare)
-    values.append(shares**-2.0)
+    values.append(np.tile(np.tile(EVENLY, F) * criteria.wrench**2, N) ** -1.0)
+    both = 1 + np.flatnonzero(asked.stands.all(axis=1))
+    uneven = _uneven(asked.place[both[0] - 1]) / criteria.uneven**2
+    row, column = np.nonzero(np.abs(uneven) > 1e-9 * np.abs(uneven).max())
+    rows.append((both[:, None] * wide + n + row).ravel())
+    cols.append((both[:, None] * wide + n + column).ravel())
+    values.append(np.tile(uneven[row, column], len(both)))
     slack = np.arange(N + 2) * wide + wide - 1
     rows.append(slack)
     cols.append(slack)
@@ -284,6 +303,14 @@ def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_m
     c[:, :n] = -(value.T @ (asked.q * inverse))
     c[:, -1] = criteria.slack_cost
     return P, c.ravel()
+
+
+def _uneven(place: Sequence[pin.SE3]) -> Array:
+    """(6 F, 6 F) what feet at their places press against each other, in squares: all that bears nothing. Wrenches that
+    are as even as can be have none of it, wherever the body is."""
+    W = np.diag(1.0 / np.tile(EVENLY, len(place)))
+    A = np.hstack([at.toDualActionMatrix() for at in place])
+    return np.asarray(W - A.T @ np.linalg.inv(A @ np.linalg.inv(W) @ A.T) @ A)
 
 
 def _solve(

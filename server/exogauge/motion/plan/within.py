@@ -63,9 +63,9 @@ def plan_within(
     rate: float | None = None, stop: Stop | None = None,
 ) -> tuple[Planned, Judged, Asked]:  # fmt: skip
     """Planned and judged at `rate` [Hz], as it is and as its table is read. Where a bound is broken that the nodes
-    keep, it is planned anew, `again` times at most, each time from the best that there is: with feet that share the
-    load evenly, where a leg bears it only as they share; with what is exceeded bounded by as much less; where that
-    comes no nearer, on more nodes. Best is what breaks fewest bounds, and by least; with what is asked on its nodes.
+    keep, it is planned anew, `again` times at most, each time from the best that there is: with what is exceeded, or
+    nearly so, bounded by as much less; where that comes no nearer, on more nodes. Best is what breaks fewest bounds,
+    and by least; with what is asked on its nodes.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
     first, and standing at home is judged. stop: as of `plan`; a plan that is there already is not lost by it.
@@ -76,12 +76,11 @@ def plan_within(
     if rest.lacks:
         return *_at_home(robot, asked, criteria, rate, rest), asked
 
-    def made(wanted: Asked, own: MotionRobot, given: MotionPlan) -> _Found:
-        planned = plan(own, wanted, given, report, stop)
+    def made(wanted: Asked, own: MotionRobot, given: MotionPlan, start: Planned | None = None) -> _Found:
+        planned = plan(own, wanted, given, report, stop, start)
         return _Found(wanted, own, given, planned, *_judged(robot, wanted, planned, criteria, rate))
 
     best = made(asked, robot, criteria)
-    wrenches, legs = list(criteria.evenly), _of_legs(robot)
     finer: Asked | None = asked.finer(rate or criteria.judged_hz)
     possible = not best.planned.unsettled and (best.by_table or float(best.planned.excess.max()) <= criteria.over)
     nearer = True
@@ -89,14 +88,12 @@ def plan_within(
         if not best.judged.broken:
             break
         wanted, (own, given) = best.asked, _tightened(best, criteria)
-        if wrenches and ((best.table.most["torque"] > 1.0) & (best.judged.most["torque"] <= 1.0))[legs].any():
-            own, given = best.robot, replace(best.criteria, wrench=wrenches.pop(0))
-        elif not nearer or (own is best.robot and given == best.criteria):
+        if not nearer or (own is best.robot and given == best.criteria):
             if finer is None:
                 break
             wanted, own, given, finer = finer, best.robot, best.criteria, None
         try:
-            found = made(wanted, own, given)
+            found = made(wanted, own, given, best.planned if wanted is best.asked else None)
         except BadMotion:  # none is found, or it is stopped: that which there is stays
             found = best
         nearer = found.breaks(criteria) < best.breaks(criteria)
@@ -105,12 +102,14 @@ def plan_within(
 
 
 def _tightened(found: _Found, criteria: MotionPlan) -> tuple[MotionRobot, MotionPlan]:
-    """As much less of what is exceeded, and `more_kept` less beside; twice what is lacking of distances. The same where
-    nothing is."""
+    """As much less of what is exceeded, or swings through half of what is kept of it, and `more_kept` less beside, as a
+    plan that was changed swings elsewhere; twice what is lacking of distances. The same where nothing is."""
     robot, given = found.robot, found.criteria
-    near = max(0.0, criteria.clearance_m - float(found.judged.apart.min()))
-    given = replace(given, margin_m=given.margin_m + 2.0 * found.lacks(criteria), apart_m=given.apart_m + 2.0 * near)
-    less = {what: np.where(share > 1.0 + criteria.beyond, share + criteria.more_kept, 1.0)
+    near, lacks = max(0.0, criteria.clearance_m - float(found.judged.apart.min())), found.lacks(criteria)
+    beside = criteria.more_kept * HALF_FOOT_M if lacks else 0.0
+    given = replace(given, margin_m=given.margin_m + 2.0 * lacks + beside, apart_m=given.apart_m + 2.0 * near)
+    swings = 0.5 * (criteria.kept + 1.0)
+    less = {what: np.where(share > swings, share + criteria.more_kept, 1.0)
             for what, share in found.most.items()}  # fmt: skip
     if not any((share > 1.0).any() for share in less.values()):
         return robot, given
@@ -119,14 +118,6 @@ def _tightened(found: _Found, criteria: MotionPlan) -> tuple[MotionRobot, Motion
               "jerk": robot.jerk}  # fmt: skip
     limits = replace(limits, **{what: bounds[what] / share for what, share in less.items()})
     return replace(robot, limits=limits), given
-
-
-def _of_legs(robot: MotionRobot) -> NDArray[np.bool_]:
-    """(J,)"""
-    legs = np.zeros(len(robot.joints), dtype=bool)
-    for foot in range(len(robot.soles)):
-        legs[robot.leg(foot) - robot.base] = True
-    return legs
 
 
 def _judged(

@@ -16,6 +16,7 @@ from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import read_names
+from exogauge.motion.files.open import CAPTURES, TABLES
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.standing import base_on, home_of
 
@@ -114,6 +115,10 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
         raise BadMotion(Fault("is a folder", "a_folder", "Name the table in it", path.name))
     if not path.is_file():
         raise BadMotion(Fault("there is no such file", "no_file", "Look at its name", path.name))
+    if (kind := path.suffix.lower()) in CAPTURES and kind not in TABLES:
+        raise BadMotion(Fault("this holds a person's motion, or OpenSim's angles", "a_capture",
+                              "Give a table with t [s] and q.<joint> [rad or m]; `exogauge motion retarget` makes one "
+                              "of a capture", path.name))  # fmt: skip
     table = open_table(path, path.name)
     names = read_names(table)
     known = [name for name in robot.joints if f"q.{name}" in names]
