@@ -309,13 +309,13 @@ def _against_others(one: StiffnessResult, others: Sequence[StiffnessResult]) -> 
 
 def _told(band: BandEstimate, checks: Sequence[tuple[CrossCheck, str]]) -> BandEstimate:
     """Not identifiable where a check fails, with the worst in the note. checks: that fail, and by which other approach
-    they do."""
+    they do, if not by its own."""
     failed = [each for each in checks if each[0].group == band.group]
     stays = all(each.check not in OF_THE_BANDS and each.unit != "m" for each, _ in failed)  # else no line ends there
     length = band.length_identifiable and stays
     if not failed or (band.identifiable, band.length_identifiable) == (False, length):
         return band
-    worst, by = max(failed, key=lambda each: abs(each[0].z) / each[0].limit)
+    worst, by = max(failed, key=lambda each: (not each[1], abs(each[0].z) / each[0].limit))  # its own before others'
     said = About.LENGTHS_DISAGREE if worst.unit == "m" and worst.check != "halves" else SAID[worst.check]
     names = list(worst.between)
     if by and worst.check != "approaches":
