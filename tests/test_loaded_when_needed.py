@@ -9,6 +9,7 @@ import pytest
 
 SHELL = {"fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "dbos", "httpx", "viser", "mujoco"}
 PAGES = {"matplotlib", "fpdf", "jinja2"}
+BELOW_SCIPY = {"scipy.constants", "scipy.special", "scipy.linalg", "numpy.f2py"}  # each loads what all of scipy needs
 SLOW = {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.interpolate", "scipy.spatial"}  # half a second or more
 OPEN = """
 import exogauge.payload.intake, exogauge.studies.intake.admit, exogauge.studies.intake.open
@@ -44,7 +45,7 @@ except SystemExit:
 STEPS = {  # each loads what those before it do, and more; and what it does not
     "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
     "effects": (EFFECTS, {*SHELL, *PAGES, *SLOW, "numba", "pyarrow"}),
-    "upload": (UPLOAD, {*SHELL, *PAGES, *SLOW, "numba", "scipy.linalg", "h5py", "rosbags"}),
+    "upload": (UPLOAD, {*SHELL, *PAGES, *SLOW, *BELOW_SCIPY, "numba", "h5py", "rosbags"}),
     "open": (OPEN, {*SHELL, *PAGES, *SLOW, "numba", "h5py", "rosbags"}),
     "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
     "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "scipy.stats", "numba", "h5py", "rosbags"}),

@@ -74,7 +74,7 @@ def test_a_full_disk_shows_in_health_and_is_507_wherever_it_is_met(
     monkeypatch.setattr(tempfile, "tempdir", str(small_disk.folder))  # where uploads are read, too
     with TestClient(create_app(small), raise_server_exceptions=False) as client:
         answers = []
-        for pages in (0, 2, 6, 9, 10, 11, 12, 13, 15):  # full when it arrives, is laid out, is read or is kept
+        for pages in (0, 2, 6, 9, 11, 12, 13, 14, 15, 16, 18):  # full when it arrives, is laid out, is read or is kept
             small_disk.fill(pages * 4096)
             assert client.get("/readyz").json()["blobs"] == ("ok" if pages else "unavailable")
             answers.append(client.post(f"{V1}/studies", files={"bundle": ("arm.zip", pack(study_files))}))

@@ -105,7 +105,8 @@ def weighed(robot):
 @pytest.fixture(scope="session")
 def record():
     """(seed, hidden) -> a log. Six waves per joint, so that each turns often, fast and slow; `still` never moves.
-    encoder: std of a position's noise [rad]. creeps: moves by a fortieth of what it would."""
+    encoder: std of a position's noise [rad]. creeps: moves by a fortieth of what it would,
+    until: [s] when it begins to go to and fro at one speed, within two seconds."""
 
     def make(
         seed: int,
@@ -116,6 +117,7 @@ def record():
         still: int | None = None,
         encoder: float = 1e-5,
         creeps: int | None = None,
+        until: float = np.inf,
     ) -> Log:
         rng = np.random.default_rng(seed)
         t = np.arange(0.0, seconds, 1.0 / RATE)
@@ -123,11 +125,15 @@ def record():
         size, phase = rng.uniform(0.1, 0.3, size=(6, 3)), rng.uniform(0.0, 6.28, size=(6, 3))
         if still is not None:
             size[:, still] = 0.0
-        if creeps is not None:
-            size[:, creeps] /= 40.0
         angle = t[:, None, None] * omega + phase
         q, v = np.sum(size * np.sin(angle), axis=1), np.sum(size * omega * np.cos(angle), axis=1)
-        load = inverse_dynamics(q, v, -np.sum(size * omega**2 * np.sin(angle), axis=1))
+        a = -np.sum(size * omega**2 * np.sin(angle), axis=1)
+        if creeps is not None:
+            late = 1.0 / (1.0 + np.exp(-5.0 * (t - until - 1.0)))
+            v[:, creeps] = (1.0 - late) * v[:, creeps] / 40.0 + late * 0.3 * np.tanh(8.0 * np.sin(0.9 * t))
+            a[:, creeps] = np.gradient(v[:, creeps], t)
+            q[:, creeps] = q[0, creeps] / 40.0 + np.cumsum(v[:, creeps]) / RATE
+        load = inverse_dynamics(q, v, a)
         rng = np.random.default_rng(seed + 1000 if noise_seed is None else noise_seed)
         drive = load + FRICTION["k_d"] * v + FRICTION["tau_c"] * np.sign(v) - FRICTION["tau_o"]
         tau = drive + hidden(Motion(t, q, v, load, drive)) + noise * rng.normal(size=q.shape)

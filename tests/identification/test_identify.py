@@ -52,6 +52,10 @@ def test_of_a_joint_that_is_left_undecided_no_parameter_counts_and_all_others_st
     assert left == decided - own
     assert set(then.unidentifiable) == set(found.unidentifiable) | own
     assert found.with_undecided([]).unidentifiable == found.unidentifiable
+    then = found.with_undecided([], ["k_d", "tau_c"])
+    friction = {name for name in decided if name.startswith(("k_d[", "tau_c["))}
+    assert friction
+    assert {n for n, each in by_name(then).items() if each.identifiable} == decided - friction
 
 
 @pytest.mark.slow

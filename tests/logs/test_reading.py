@@ -24,7 +24,7 @@ from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.parquet_table import ParquetTable, write_log
 from exogauge.logs.reading import read_log
-from exogauge.logs.tables import TextLayout
+from exogauge.logs.tables import TextLayout, broken
 from exogauge.logs.text_table import TextTable
 
 ROWS = [(k / 10.0, k / 4.0 - 1.0) for k in range(12)]
@@ -82,6 +82,11 @@ def test_other_containers_give_the_same_log(tmp_path: Path) -> None:
     for name in ("log.parquet", "log.npz", "log.h5"):
         log = read_log(tmp_path / name, name)
         assert np.array_equal(log.channels["q.a"], q), name
+
+
+def test_a_file_for_which_memory_is_short_is_not_called_damaged() -> None:
+    with pytest.raises(MemoryError, match="malloc"):
+        broken(pa.ArrowMemoryError("malloc of size 524288 failed"), "large.parquet")
 
 
 def test_what_is_written_is_read_back_exactly_and_the_same_log_gives_the_same_bytes(tmp_path: Path) -> None:

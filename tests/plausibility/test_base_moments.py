@@ -207,3 +207,21 @@ def test_moments_that_are_told_about_the_joint_are_named_with_the_place(
         for _, each in found:
             assert f"the joint {each.channel.removeprefix('ft.')}_leg, [0.000, 0.000, 0.400] m" in each.detail
             assert each.value == pytest.approx(0.4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("slower", [4.0, 16.0])
+def test_what_is_noise_of_forces_does_not_say_where_a_foot_measures(robot: Robot, slower: float) -> None:  # noqa: F811
+    """About the base it is a moment too, as another point of the foot would give: a point up there fitted best, and
+    that the left foot tells its moments about its joint was not said."""
+    log, rng = record(4, 0.0, 0.0, slower=slower, alike=True), np.random.default_rng(4)
+    forces = {f"ft.{foot}.f{axis}": log.channels[f"ft.{foot}.f{axis}"] for foot in FEET for axis in "xyz"}
+    noisy = {name: each + 6.0 * rng.standard_normal(len(each)) for name, each in forces.items()}
+    one = replace(log, channels=log.channels | noisy)
+    assert list(examine_worn(robot, [one])) == []
+    told = {
+        "ft.left.mx": one.channels["ft.left.mx"] + 0.4 * noisy["ft.left.fy"],
+        "ft.left.my": one.channels["ft.left.my"] - 0.4 * noisy["ft.left.fx"],
+    }
+    found = [each for _, each in examine_worn(robot, [replace(one, channels=one.channels | told)])]
+    assert [(each.channel, each.rule) for each in found] == [("ft.left", "wrench_point")]

@@ -13,19 +13,24 @@ Children = Callable[[], list[int]]
 
 @pytest.fixture
 def children() -> Children:
-    """children(): process ids of this process's own running children that read files."""
+    """children(): process ids of the running readers of this process, which its fork server started."""
     if not Path("/proc/self/environ").exists():
         pytest.skip("needs /proc")
     return _running
 
 
 def _running() -> list[int]:
+    servers = [pid for pid in below(os.getpid()) if b"fork_server" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [pid for server in servers for pid in below(server)]
+
+
+def below(parent: int) -> list[int]:
     found = []
     for entry in Path("/proc").iterdir():
         try:
-            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1]) if entry.name.isdigit() else -1
-            if parent == os.getpid() and b"exogauge.sandbox.child" in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
+            state, its = (entry / "stat").read_text().rpartition(")")[2].split()[:2] if entry.name.isdigit() else "Z0"
         except OSError:
             continue
+        if int(its) == parent and state != "Z":
+            found.append(int(entry.name))
     return found

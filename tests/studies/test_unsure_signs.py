@@ -18,9 +18,9 @@ from exogauge.studies.evaluate import evaluate
 pytestmark = pytest.mark.slow
 
 
-def identified(place: Path, rub: float, checked: bool = False) -> dict[str, Any]:
+def identified(place: Path, rub: float, checked: bool = False, every: int = 1) -> dict[str, Any]:
     """The wrist turned in all logs, which hold torques. checked: robot.yaml says of every joint that somebody has
-    looked."""
+    looked. every: of how many samples one is kept."""
     long_arm(place)
     robot, looked = place / "robot.yaml", "sign_checked: true, " if checked else ""
     robot.write_text(re.sub(r"actuation: current, prior: {.*}}", f"{looked}actuation: torque}}", robot.read_text()))
@@ -29,7 +29,9 @@ def identified(place: Path, rub: float, checked: bool = False) -> dict[str, Any]
         columns = record(seed, rub=rub)
         columns |= {f"tau.{name}": k_T * columns.pop(f"i.{name}") for name, k_T in zip(JOINTS, K_T, strict=True)}
         columns |= {name: -columns[name] for name in ("q.wrist", "tau.wrist")}
-        pq.write_table(pa.table({name: np.asarray(each) for name, each in columns.items()}), place / f"{seed}.parquet")
+        pq.write_table(
+            pa.table({name: np.asarray(each)[::every] for name, each in columns.items()}), place / f"{seed}.parquet"
+        )
         lines.append(f"  - {{file: {seed}.parquet, role: {role}}}\n")
     (place / "study.yaml").write_text(
         f"version: 1\nname: arm\nrobot: robot.yaml\nlogs:\n{''.join(lines)}steps: [identify]\n"
@@ -54,3 +56,12 @@ def test_a_joint_of_unsure_sign_has_no_decided_parameter_until_somebody_has_look
     assert not any(of_the_wrist[0].values())
     assert of_the_wrist[1]["tau_c[wrist]"]
     assert "tau_c[wrist]" in found["identification"]["unidentifiable"]
+
+
+def test_of_logs_that_are_slowly_sampled_no_friction_is_decided(tmp_path: Path) -> None:
+    """It turns round between the samples: k_d was too large and tau_c too small at every joint."""
+    found = identified(tmp_path, rub=8.0, checked=True, every=10)
+    assert "slowly_sampled" in {each["rule"] for each in found["doctor"]}
+    decided = {each["name"] for each in found["identification"]["parameters"] if each["identifiable"]}
+    assert decided
+    assert not [name for name in decided if name.startswith(("k_d[", "tau_c[", "tau_s[", "J_r["))]

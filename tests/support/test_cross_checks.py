@@ -223,3 +223,25 @@ def test_b_does_not_stand_by_its_doubt_where_both_that_compare_runs_refute_the_b
     assert not any(band.identifiable for band in judged([refuted, b, paired], Supporting())[1].bands)
     alone = judged([refuted, b, replace(plain, approach="paired")], Supporting())
     assert all(band.identifiable for band in alone[1].bands)
+
+
+@pytest.mark.parametrize("one", ["A", "paired"])
+def test_what_fails_by_one_approach_counts_for_another_that_cannot_say_it_is_not_so(checked, suit, hardened, one):
+    """Bands that rub or harden do so whoever looks: an approach that is too unsure for a check of its own knows no
+    better, and one whose own check would have seen it does."""
+    refuted, plain = replace(checked([suit, suit], noise=0.1, change=hardened), approach="B"), checked([suit, suit])
+    plain = replace(plain, approach=one)
+    sees, unsure = (judged([each, refuted], Supporting())[0] for each in (plain, replace(plain, cross_checks=())))
+    assert all(band.identifiable for band in sees.bands)
+    assert not any(band.identifiable or band.length_identifiable for band in unsure.bands)
+    for band in unsure.bands:
+        assert band.note.names[-1].endswith("by B") or band.note.names[0].endswith("by B")
+
+
+def test_a_length_is_not_decided_by_what_fails_where_the_stiffness_is_not_either(checked, suit, hardened):
+    refuted = checked([suit, suit], noise=0.1, change=hardened)
+    bands = tuple(replace(band, identifiable=False, length_identifiable=True, note=None) for band in refuted.bands)
+    (found,) = judged([replace(refuted, bands=bands)], Supporting())
+    for band in found.bands:
+        assert not band.length_identifiable
+        assert band.note is not None

@@ -301,3 +301,29 @@ def test_repetitions_that_differ_by_far_more_than_is_declared_tell_of_no_motor(s
     else:
         assert abs(moved) < SIZE
         assert abs(moved) < 2.0 * std
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_joint_that_creeps_tells_nothing_of_how_its_friction_drifts(seed):
+    """Below the speed at which friction turns round there is a hundredth of Coulomb's, more or less in each repetition
+    as it is faster or slower, and a motion of the same speeds finds it again to a thousandth of what is modelled."""
+    rng, course = np.random.default_rng(seed), courses(np.array([0.0, 600.0, 1300.0, 2240.0]), 2320.0)
+    left = np.exp(rng.normal(np.log(0.02), 0.6, (6, 4))) * np.array([1.0, 1.1, 0.5, 0.45])  # in all joints alike
+    runs = [Runs(course, ["a"] * 4, (each - 1.0)[:, None], np.full((4, 1, 1), 0.001**2)) for each in left]
+    beta, root, common = told_by(runs, np.full((6, 1, course.shape[1]), 0.05 / np.sqrt(course.shape[1])), Supporting())
+    moved = np.einsum("akr,r->ak", beta, course[-1])
+    of_inputs = [np.einsum("r,ars->as", course[-1], each) for each in (root, common)]
+    std = np.linalg.norm(np.concatenate(of_inputs, axis=1), axis=1)
+    assert np.all(np.abs(moved[:, 0]) < 2.0 * std)
+    assert np.all(std > 0.03)
+
+
+@pytest.mark.parametrize("there", [0.4, 1.0, 2.0])
+def test_a_drift_is_a_share_of_what_is_there(there):
+    course = courses(np.array([0.0, 600.0, 1300.0, 2240.0]), 2320.0)
+    R, true = course.shape[1], -0.02
+    seen = there * (1.0 + true * course.mean(axis=1)) - 1.0
+    told = Runs(course, ["a"] * 4, seen[:, None], np.full((4, 1, 1), 1e-8))
+    beta, *_ = told_by([told], np.full((1, 1, R), 0.1 / np.sqrt(R)), Supporting())
+    change = course[-1] - course[0]
+    assert float(beta[0, 0] @ change) == pytest.approx(true * float(change.mean()), rel=0.02)

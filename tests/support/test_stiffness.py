@@ -315,3 +315,18 @@ def test_a_doubt_of_any_size_that_rounding_leaves_is_no_number_but_undecided():
     shares = {"scatter": np.diag([1e2, 1e-4, 1e274]), "via_points": np.diag([1e3, 1e-6, 0.0])}
     assert undecided(plan, shares) == {"natural_length[right]"}
     assert undecided(plan, {"scatter": np.diag([np.inf, np.nan, 1.0])}) == {"stiffness[a]", "natural_length[left]"}
+
+
+@pytest.mark.parametrize("noise", [1.0, 3.0])
+def test_one_band_that_pulls_for_two_is_no_stiffness(identified, suit, stoop, noise):
+    """Two that run 1 cm beside each other: that one is slack and the other twice as stiff fits as well, and however
+    sharply, it is not decided."""
+    one = replace(suit.bands[0], natural_length=0.63)
+    beside = tuple(replace(point, xyz=(point.xyz[0] - 0.01, *point.xyz[1:])) for point in one.via_points)
+    twins = replace(suit, bands=(one, replace(one, name="beside", via_points=beside)))
+    found = identified(device=twins, courses=[stoop(1)], noise=noise)
+    for each in found.bands:
+        near = abs(each.stiffness.value - one.stiffness) < 0.2 * one.stiffness
+        assert near or not (each.identifiable or each.length_identifiable)
+        assert near or each.note.about == About.ANOTHER_FIT
+    assert not near  # or nothing was asked

@@ -1,7 +1,7 @@
 """The child process that opens an uploaded bundle: study, robot, device, payload or log. Its one answer is a summary
 or the faults.
 
-Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder of its own.
+Asked by `checking` in a temporary folder of its own.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 if TYPE_CHECKING:
     from exogauge.logs.model import Log
@@ -201,5 +201,5 @@ def span(read: Any) -> dict[str, Any]:
     return {"samples": int(read.samples), "rate_hz": float(read.rate_hz), "duration_s": duration_s}
 
 
-if __name__ == "__main__":
-    serve({"study": study, "robot": robot, "device": device, "payload": payload, "log": log})
+TASKS: Tasks = {"study": study, "robot": robot, "device": device, "payload": payload, "log": log}
+LOADED = ("exogauge.studies.intake.admit", "exogauge.studies.intake.open", "exogauge.studies.intake.read_log")

@@ -1,6 +1,6 @@
 """The child process that reads what was captured of a person, or a plan's motion on its robot.
 
-Run by `captures` as `python -I -m exogauge.api.opening_capture` in a temporary folder of its own, where it leaves
+Asked by `captures` in a temporary folder of its own, where it leaves
 files; the rest is its answer.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 SERIES, EXPORT = "motion.parquet", "export.zip"
 MOST_NAMES = 500  # labels that are listed
@@ -98,5 +98,5 @@ def export(folder: str, motion: str, name: str, form: str, rate_hz: float | None
     return {"broken": list(judged.broken)}
 
 
-if __name__ == "__main__":
-    serve({"capture": capture, "series": series, "export": export})
+TASKS: Tasks = {"capture": capture, "series": series, "export": export}
+LOADED = ("exogauge.motion.intake", "exogauge.motion.summary")

@@ -1,6 +1,6 @@
 """The child process that takes a first look at a foreign log, and reads the mapping that somebody wrote for it.
 
-Run by `imports` as `python -I -m exogauge.api.opening_log` in a temporary folder of its own.
+Asked by `imports` in a temporary folder of its own.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 MAPPING = "mapping.yaml"
 
@@ -81,5 +81,5 @@ def mapping(folder: str, file: str, joints: list[str] | None) -> dict[str, Any]:
     return {"content": yaml.safe_load(text)}
 
 
-if __name__ == "__main__":
-    serve({"look": look, "mapping": mapping})
+TASKS: Tasks = {"look": look, "mapping": mapping}
+LOADED = ("exogauge.studies.import_log.log_preview", "exogauge.studies.intake.expected")

@@ -1,6 +1,6 @@
 """The child process that reads what a what-if needs of an uploaded study: one log's positions, the robot, the device.
 
-Run by `benches` as `python -I -m exogauge.api.opening_motion` in a temporary folder of its own, where it leaves the
+Asked by `benches` in a temporary folder of its own, where it leaves the
 positions as bare numbers; the rest is its answer.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 MOTION = "motion.f64"  # time and positions, sample by sample, as float64
 
@@ -37,5 +37,9 @@ def motion(folder: str, log: str, device: str | None, most: int) -> dict[str, An
     }
 
 
-if __name__ == "__main__":
-    serve({"motion": motion})
+TASKS: Tasks = {"motion": motion}
+LOADED = (
+    "exogauge.robots.plain_tree",
+    "exogauge.studies.device_pages.device_content",
+    "exogauge.studies.series.recorded_motion",
+)

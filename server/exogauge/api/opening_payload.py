@@ -1,6 +1,6 @@
 """The child process that looks at a payload before it is kept: what its files hold, and what the doctor says of it.
 
-Run by `checking` as `python -I -m exogauge.api.opening_payload` in a temporary folder of its own.
+Asked by `checking` in a temporary folder of its own.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 if TYPE_CHECKING:
     from exogauge.robots.tree import RigidTree
@@ -81,5 +81,10 @@ def examine(folder: str) -> dict[str, Any]:
     return {"findings": [{"log": log, **asdict(each)} for log, each in doctor.examine(opened)]}
 
 
-if __name__ == "__main__":
-    serve({"look": look, "examine": examine})
+TASKS: Tasks = {"look": look, "examine": examine}
+LOADED = (
+    "exogauge.payload.doctor",
+    "exogauge.payload.intake",
+    "exogauge.robots.urdf",
+    "exogauge.studies.import_log.log_preview",
+)

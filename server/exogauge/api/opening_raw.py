@@ -1,6 +1,6 @@
 """The child process that reads one log of a stored study as it is, and leaves it as a series file.
 
-Run by `raw_series` as `python -I -m exogauge.api.opening_raw` in a temporary folder of its own.
+Asked by `raw_series` in a temporary folder of its own.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 RAW = "raw.parquet"
 
@@ -26,5 +26,5 @@ def raw(folder: str, log: str) -> dict[str, Any]:
     return {}
 
 
-if __name__ == "__main__":
-    serve({"raw": raw})
+TASKS: Tasks = {"raw": raw}
+LOADED = ("exogauge.studies.series.recorded_motion", "exogauge.studies.series.write")

@@ -68,7 +68,8 @@ class Supporting:
     equal: float = criterion(
         2.0,
         "z",
-        "difference of two null tests, or of one's mean from what is declared, up to which it may be chance",
+        "difference of two null tests, of one's mean from what is declared, or of one check by two approaches, up to "
+        "which it may be chance",
         derived("normal distribution, 95.4 %"),
     )
     known: float = criterion(

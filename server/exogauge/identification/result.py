@@ -157,10 +157,10 @@ class Identification:
         parameters = tuple(replace(each, identifiable=False) for each in self.parameters)
         return replace(self, parameters=parameters, unidentifiable=names)
 
-    def with_undecided(self, joints: Collection[str]) -> Identification:
-        """The same, where no parameter of these joints counts as decided by the data."""
-        of = tuple(f"[{joint}]" for joint in joints)
-        there = [each for each in self.parameters if each.name.endswith(of)] if of else []
+    def with_undecided(self, joints: Collection[str], coefficients: Collection[str] = ()) -> Identification:
+        """The same, where no parameter of these joints, nor such a coefficient, counts as decided by the data."""
+        of, such = tuple(f"[{joint}]" for joint in joints), tuple(f"{name}[" for name in coefficients)
+        there = [each for each in self.parameters if each.name.endswith(of) or each.name.startswith(such)]
         parameters = tuple(replace(e, identifiable=False) if e in there else e for e in self.parameters)
         names = tuple(each.name for each in there if each.name not in self.unidentifiable)
         return replace(self, parameters=parameters, unidentifiable=(*self.unidentifiable, *names))

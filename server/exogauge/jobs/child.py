@@ -34,6 +34,7 @@ from exogauge.errors import BadInput, DiskFull, ExogaugeError, no_room
 from exogauge.garbage import left_while_loading
 from exogauge.jobs.code_version import hold_to
 from exogauge.progress import Stage
+from exogauge.sandbox.readers import readers
 
 PROGRESS_INTERVAL_S = 0.1
 
@@ -76,7 +77,10 @@ def answer(request: dict[str, Any], replies: Replies) -> None:
     """Compute one request; every ending becomes a reply."""
     try:
         function = resolve(request["call"])
-        function(Path(request["folder"]), Path(request["out"]), replies.progress, request["settings"])
+        try:
+            function(Path(request["folder"]), Path(request["out"]), replies.progress, request["settings"])
+        finally:
+            readers.end()  # what they used is of this job
     except Exception as error:
         replies.end(error=described(error))
     else:

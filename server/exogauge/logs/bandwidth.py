@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from scipy.special import gammainccinv, gammaincinv
 
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response, differentiate
@@ -66,7 +65,7 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     freedom = 2.0 * max(1, 2 * velocity.shape[0] // length - 1)  # neighbours overlap by half and are nearly independent
     in_floor = frequency > LOGS.floor_band[0] * rate_hz
     half = 0.5 * freedom  # chi square of so many degrees: its median, and what noise exceeds so seldom
-    noise = np.median(spectrum[in_floor], axis=0) / (gammaincinv(half, 0.5) / half)
-    stands_out = gammainccinv(half, LOGS.false_alarm / frequency.size) / half
+    noise = np.median(spectrum[in_floor], axis=0) / (scipy.special.gammaincinv(half, 0.5) / half)
+    stands_out = scipy.special.gammainccinv(half, LOGS.false_alarm / frequency.size) / half
     motion = np.where(varies(values) & (spectrum > stands_out * noise), spectrum - noise, 0.0)
     return frequency, motion, noise

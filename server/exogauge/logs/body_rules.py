@@ -6,16 +6,15 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import g
 
 from exogauge.logs.findings import ACC, GYRO, Expectation, Finding, vector
 from exogauge.logs.model import Log
-from exogauge.logs.units import UNITS
+from exogauge.logs.units import STANDARD_GRAVITY, UNITS
 
 Array = NDArray[np.float64]
 
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
-ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 1000.0}
+ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * STANDARD_GRAVITY, "mm/s²": 1000.0 * STANDARD_GRAVITY, "milli-g": 1000.0}
 
 
 def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -24,14 +23,14 @@ def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
     if acc is None:
         return
     size = float(np.median(np.linalg.norm(acc[_at_rest(log, acc, expected.criteria.resting)], axis=1)))
-    if abs(size / g - 1.0) <= expected.criteria.gravity:
+    if abs(size / STANDARD_GRAVITY - 1.0) <= expected.criteria.gravity:
         return
     units = [unit for unit, at_rest in ACC_UNITS.items() if abs(size / at_rest - 1.0) <= expected.criteria.gravity]
-    detail = f"|acc| at rest is {size:.4g}, not {g:.2f} m/s²"
+    detail = f"|acc| at rest is {size:.4g}, not {STANDARD_GRAVITY:.2f} m/s²"
     if units:
         advice = f"declare the unit as {units[0]} in the mapping"
         yield Finding("error", "acc", "acceleration_unit", detail, advice, value=size)
-    elif size < 0.1 * g:
+    elif size < 0.1 * STANDARD_GRAVITY:
         advice = "gravity was taken out of it; the proper acceleration (+9.81 up at rest) is needed"
         yield Finding("error", "acc", "gravity_missing", detail, advice, value=size)
     else:

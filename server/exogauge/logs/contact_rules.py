@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.constants import g
 
 from exogauge.criteria.examining import Examining
 from exogauge.logs.findings import ACC, Expectation, Finding, Severity, joints_move, runs, vector
 from exogauge.logs.model import Log
+from exogauge.logs.units import STANDARD_GRAVITY
 
 FORCE, MOMENT = ("fx", "fy", "fz"), ("mx", "my", "mz")
 
@@ -40,7 +40,7 @@ def _stopped(log: Log, expected: Expectation) -> Iterator[tuple[str, list[slice]
     if expected.weight_n is None or not all(log.has(*_channels(sensor)) for sensor in sensors):
         return
     acc = vector(log, ACC)
-    needs = np.ones(log.samples) if acc is None else np.linalg.norm(acc, axis=1) / g
+    needs = np.ones(log.samples) if acc is None else np.linalg.norm(acc, axis=1) / STANDARD_GRAVITY
     force = {sensor: log.stack(_channels(sensor, FORCE)) / expected.weight_n for sensor in sensors}
 
     def in_air(sensor: str, span: slice) -> bool:

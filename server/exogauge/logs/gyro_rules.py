@@ -9,7 +9,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import g
 
 from exogauge.criteria.examining import Examining
 from exogauge.logs.derivatives import differentiate, differentiate_twice
@@ -18,6 +17,7 @@ from exogauge.logs.findings import ACC, GYRO, Expectation, Finding, vector
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_of
 from exogauge.logs.resampling import is_even
+from exogauge.logs.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def gyro_still(log: Log, expected: Expectation) -> Iterator[Finding]:
     if abs(tilting.likeness) > criteria.gyro_unlike:
         return
     tilts = _rms(tilting.up - tilting.up.mean(axis=0))
-    way = g * tilts**3 / turns**2  # of a sway at turns / tilts [rad/s] whose acceleration is g tilts
+    way = STANDARD_GRAVITY * tilts**3 / turns**2  # of a sway at turns / tilts [rad/s] whose acceleration is g tilts
     detail = (
         f"tells no more than noise, {tells:.2g} rad/s, while gravity's direction in the accelerometer turns at "
         f"{turns:.2g} rad/s, by {np.degrees(tilts):.2g}° (rms)"
@@ -113,7 +113,7 @@ class _Tilting:
         """Of that, what the base's acceleration may be, as it turns about a point so far below or above the IMU: about
         one below more seems to turn than turns, about one above less, or the other way."""
         lever = below_m if 0.0 < self.gain < 1.0 else above_m
-        return lever / g * float(np.linalg.norm(self.jerk))
+        return lever / STANDARD_GRAVITY * float(np.linalg.norm(self.jerk))
 
 
 def _tilting(log: Log, acc: Array, gyro: Array, below_hz: float, criteria: Examining) -> _Tilting | None:

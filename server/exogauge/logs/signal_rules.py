@@ -32,6 +32,7 @@ from exogauge.logs.stored_band import stored_edge
 
 Array = NDArray[np.float64]
 
+SLOWLY_SAMPLED = "slowly_sampled"
 DRIVES = ("i", "tau")
 SENSED = (*DRIVES, "acc", "gyro", "ft")  # channels that never rest on one value while they work
 
@@ -232,8 +233,8 @@ def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
 def slowly_sampled(log: Log, expected: Expectation) -> Iterator[Finding]:
     if log.rate_hz < expected.criteria.slowest_rate_hz and not any(rate_differs(log, expected)):
         detail = f"sampled at {log.rate_hz:.3g} Hz: how friction turns round with a joint falls between the samples"
-        advice = "log at 50 Hz or more; of slower logs weights are to be believed, friction and rotor inertia less"
-        yield Finding("warning", "t", "slowly_sampled", detail, advice, value=log.rate_hz)
+        advice = "log at 50 Hz or more; of slower logs weights are to be believed, friction and rotor inertia not"
+        yield Finding("warning", "t", SLOWLY_SAMPLED, detail, advice, value=log.rate_hz)
 
 
 def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:

@@ -125,7 +125,9 @@ def unpacked_head(path: Path, file: str, size: int) -> tuple[bytes, bool]:
 
 
 def broken(problem: Exception, file: str, column: str | None = None) -> Fault:
-    """A file that its own format's library cannot read."""
+    """A file that its own format's library cannot read. MemoryError where that is why: it need not be damaged."""
+    if isinstance(problem, MemoryError):  # Arrow's is one of its other errors, too
+        raise problem
     return Fault(
         f"the file cannot be read: {shorten(str(problem) or type(problem).__name__, 160)}",
         "unreadable_file",

@@ -17,7 +17,7 @@ from exogauge.robots.regressor import regressor
 
 Array = NDArray[np.float64]
 
-MOMENTS = slice(3, 6)  # of the base's rows
+BASE, FORCES, MOMENTS = slice(6), slice(3), slice(3, 6)  # the base's rows
 
 
 @final
@@ -25,20 +25,28 @@ class BaseFit:
     """Of some logs of the same bodies: M = (A + S δ) + K ζ + noise, M the moments that the contacts give, A those that
     bodies as described ask for; δ as far as inertial parameters may be off, ζ zeros of the sensors, others in each log.
 
-    Rows are moments of all logs, x, y and z one after the other: R of them.
+    Rows are moments of all logs, x, y and z one after the other: R of them. about_contacts: not about the base's
+    origin, but the middle of the contacts. A moment about the base holds the noise of forces times how far off they
+    act, and so does one about another point of a foot: what is noise would say where a foot measures. Forces are rows
+    beside them then, as about the contacts a body's weight is a moment too; [N] times the length by which they change
+    as much as the moments.
     """
 
-    def __init__(self, robot: Robot, seen: Sequence[Snapshot]) -> None:
+    def __init__(self, robot: Robot, seen: Sequence[Snapshot], about_contacts: bool = False) -> None:
         self._robot, self._seen, self._paths = robot, seen, ContactPaths(robot)
         self._criteria = seen[0].criteria
-        self.swings = spread_of(self.given(seen))
+        given = [self._paths.effect(each.q, each.wrenches) for each in seen]
+        self.swings, forces = (spread_of([each[:, some] for each in given]) for some in (MOMENTS, FORCES))
+        self._middle = [self._middle_of_contacts(each.q) for each in seen] if about_contacts else None
+        self._length = self.swings / max(forces, 1e-300)
         rough, declared = self._criteria.rough * inertial_std(robot).ravel(), robot.declared
         zeros = np.repeat([declared.ft_zero_force, declared.ft_zero_moment], 3)
         blocks = []
         for place, one in enumerate(seen):
-            bodies = regressor(robot.tree, one.motion)[:, MOMENTS] * rough
-            of_zeros = [self._paths.of_components(one.q, k)[..., MOMENTS] for k in range(len(robot.contacts))]
-            own = np.moveaxis(np.concatenate(of_zeros, axis=1), 1, 2) * np.tile(zeros, len(of_zeros))
+            bodies = self._told(regressor(robot.tree, one.motion)[:, BASE], place) * rough
+            of_zeros = [self._paths.of_components(one.q, k)[..., BASE] for k in range(len(robot.contacts))]
+            of_zero = np.moveaxis(np.concatenate(of_zeros, axis=1), 1, 2)
+            own = self._told(of_zero, place) * np.tile(zeros, len(of_zeros))
             none = np.zeros_like(own)
             beside = [own if k == place else none for k in range(len(seen))]
             blocks.append(_rows(np.concatenate([bodies, *beside], axis=2)))
@@ -47,12 +55,14 @@ class BaseFit:
         self._size, self._S = np.maximum(size, 0.0), S @ V
 
     def given(self, seen: Sequence[Snapshot]) -> list[Array]:
-        """(N, 3) of each log, by its contact sensors."""
-        return [self._paths.effect(each.q, each.wrenches)[:, MOMENTS] for each in seen]
+        """(N, 3 or 6) of each log, by its contact sensors."""
+        effects = (self._paths.effect(each.q, each.wrenches)[:, BASE] for each in seen)
+        return [self._told(each, place) for place, each in enumerate(effects)]
 
     def asked(self, seen: Sequence[Snapshot]) -> list[Array]:
-        """(N, 3) of each log, by the bodies as described."""
-        return [asked_of(self._robot, each.motion, each.recording)[:, MOMENTS] for each in seen]
+        """(N, 3 or 6) of each log, by the bodies as described."""
+        asked = (asked_of(self._robot, each.motion, each.recording)[:, BASE] for each in seen)
+        return [self._told(each, place) for place, each in enumerate(asked)]
 
     def left(self, seen: Sequence[Snapshot]) -> float:
         """Of how much the moments change that are given, the share that no body asks for; `seen`: as these logs, read
@@ -60,9 +70,9 @@ class BaseFit:
         r = self._missing(seen)
         least = (self._criteria.unmodelled[0] * self.swings) ** 2
         r = r - self._S @ ((self._S.T @ r) / (self._size + least))
-        lengths = [3 * len(each.q) for each in seen]
-        logs = np.split(r, np.cumsum(lengths)[:-1])
-        return spread_of([each.reshape(3, -1).T for each in logs]) / self.swings
+        rows = 3 if self._middle is None else 6
+        logs = np.split(r, np.cumsum([rows * len(each.q) for each in seen])[:-1])
+        return spread_of([each.reshape(rows, -1).T for each in logs]) / self.swings
 
     def likelihood(self, columns: Array, tried: Array) -> tuple[Array, float]:
         """(K,) log likelihoods, were `columns` @ tried[k] added to what the contacts give; and the highest of any.
@@ -87,8 +97,23 @@ class BaseFit:
 
     def of_wrenches(self, seen: Sequence[Array]) -> Array:
         """(R,) what (N, S, 6) wrenches of each log, in their sensors' frames, add to the moments."""
-        added = zip(self._seen, seen, strict=True)
-        return np.concatenate([_rows(self._paths.effect(each.q, own)[:, MOMENTS]) for each, own in added])
+        added = (self._paths.effect(each.q, own)[:, BASE] for each, own in zip(self._seen, seen, strict=True))
+        return np.concatenate([_rows(self._told(each, place)) for place, each in enumerate(added)])
+
+    def _told(self, wrench: Array, log: int) -> Array:
+        """(N, 3 or 6, ...) rows of (N, 6, ...) wrenches at the base's origin."""
+        if self._middle is None:
+            return np.asarray(wrench[:, MOMENTS])
+        force, r = wrench[:, FORCES], self._middle[log].reshape(-1, 3, *[1] * (wrench.ndim - 2))
+        return np.concatenate([wrench[:, MOMENTS] - np.cross(r, force, axis=1), self._length * force], axis=1)
+
+    def _middle_of_contacts(self, q: Array) -> Array:
+        """(N, 3) [m] in the base's frame: of unit forces e at p, Σ e × (p × e) = 2 p."""
+        found = np.zeros((len(q), 3))
+        for contact in range(len(self._robot.contacts)):
+            unit = self._paths.of_components(q, contact)[:, :3, BASE]
+            found += 0.5 * np.cross(unit[..., :3], unit[..., 3:]).sum(axis=1) / len(self._robot.contacts)
+        return found
 
     def _missing(self, seen: Sequence[Snapshot]) -> Array:
         pairs = zip(self.given(seen), self.asked(seen), strict=True)
@@ -101,5 +126,5 @@ def spread_of(logs: Sequence[Array]) -> float:
 
 
 def _rows(moments: Array) -> Array:
-    """(N, 3, ...) -> (3 N, ...)"""
+    """(N, 3 or 6, ...) -> (3 N or 6 N, ...)"""
     return np.moveaxis(moments, 0, 1).reshape(-1, *moments.shape[2:])

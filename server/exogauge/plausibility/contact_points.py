@@ -45,7 +45,7 @@ def other_points(robot: Robot, seen: Sequence[Snapshot]) -> OtherPoints | None:
         return None
     criteria = seen[0].criteria
     places = [_places(robot, sensor, criteria.apart_m) for sensor in robot.contacts]
-    fit = BaseFit(robot, seen)
+    fit = BaseFit(robot, seen, about_contacts=True)
     if fit.swings <= 0.0 or all(len(each) == 1 for each in places):
         return None
     columns = []

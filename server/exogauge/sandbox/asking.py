@@ -10,8 +10,6 @@ import json
 import logging
 import os
 import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -21,6 +19,7 @@ from typing import Any, final
 from exogauge.errors import BadInput, BadLog, BadMotion, BadRobot, BadStudy, DiskFull, Fault, TooLarge, Unavailable
 from exogauge.sandbox.limits import Limits
 from exogauge.sandbox.protocol import ANSWER, NO_ROOM
+from exogauge.sandbox.readers import readers
 
 log = logging.getLogger(__name__)
 
@@ -137,56 +136,37 @@ def _killed(file: str, limits: Limits, short: bool) -> str:
 
 def _run(module: str, request: str, folder: Path, wall_s: float, what: str, file: str | None) -> tuple[int, str]:
     """Exit code and the end of standard error."""
-    with (folder / "stderr").open("w+b") as trace:
+    with (folder / "request").open("w+b") as asked, (folder / "stderr").open("w+b") as trace:
+        asked.write(request.encode())
+        asked.seek(0)
         try:
-            child = subprocess.Popen(
-                [sys.executable, "-I", "-X", "faulthandler", "-m", module],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,
-                stderr=trace,
-                cwd=folder,
-                env=_environment(folder),
-                start_new_session=True,
-                close_fds=True,
-            )
+            reader = readers.start(module, folder, asked.fileno(), trace.fileno(), _environment())
         except OSError as problem:
             raise Unavailable(
-                f"no process can be started to read {file or f'the {what}'}: {problem.strerror}"
+                f"no process can be started to read {file or f'the {what}'}: {problem.strerror or problem}"
             ) from None
         try:
-            child.communicate(request.encode(), timeout=wall_s)
-        except subprocess.TimeoutExpired:
+            code = reader.wait(wall_s)
+        except TimeoutError:
             raise TooLarge(_fault(f"reading the {what} takes more than {wall_s:g} s", "time_limit", file)) from None
         finally:
-            _end(child)
-        trace.seek(max(0, trace.tell() - 4000))
-        return child.returncode, trace.read().decode("utf-8", "replace")
+            reader.end()
+        trace.seek(max(0, trace.seek(0, os.SEEK_END) - 4000))
+        return code, trace.read().decode("utf-8", "replace")
 
 
-def _end(child: subprocess.Popen[bytes]) -> None:
-    """Kill the child and whatever it started: they share one session of their own."""
-    if child.poll() is None:
-        os.killpg(child.pid, signal.SIGKILL)
-    child.wait()
-    if child.stdin is not None and not child.stdin.closed:
-        child.stdin.close()
-
-
-def _environment(folder: Path) -> dict[str, str]:
+def _environment() -> dict[str, str]:
     """Nothing of the parent's environment but what chooses the kernels of its linear algebra, so that both compute the
-    same bits; one thread; an allocator that does not reserve address space."""
+    same bits; one thread; an allocator that does not reserve address space. A reader's own folder comes to it."""
     return {
         **{name: value for name, value in os.environ.items() if name in KERNELS},
         "PATH": "/usr/bin:/bin",
-        "HOME": str(folder),
-        "TMPDIR": str(folder),
         "LANG": "C.UTF-8",
         "OPENBLAS_NUM_THREADS": "1",
         "OMP_NUM_THREADS": "1",
         "ARROW_DEFAULT_MEMORY_POOL": "system",
         "ARROW_IO_THREADS": "1",
         "MALLOC_ARENA_MAX": "2",
-        "HDF5_PLUGIN_PATH": str(folder),
     }
 
 

@@ -1,6 +1,6 @@
 """The child process that reads a log, a few logs or a URDF.
 
-Run as `python -I -m exogauge.sandbox.child` in a temporary folder of its own. What it imports, it imports for its
+Asked in a temporary folder of its own. What it imports, it imports for its
 task alone, after its limits are set (`answering`).
 """
 
@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import answer, serve
+from exogauge.sandbox.answering import Tasks, answer
 from exogauge.sandbox.protocol import LOG, LOGS, URDF
 
 
@@ -78,5 +78,5 @@ def _robot(
     return {"bodies": list(tree.bodies), "joints": list(tree.joints), "mass": tree.mass}
 
 
-if __name__ == "__main__":
-    serve({"log": _log, "logs": _logs, "robot": _robot})
+TASKS: Tasks = {"log": _log, "logs": _logs, "robot": _robot}
+LOADED = ("exogauge.logs.mapping", "exogauge.logs.parquet_table", "exogauge.logs.reading")

@@ -1,7 +1,7 @@
 """The child process that draws a log of a stored study, a robot at rest, or a payload on its robot: it reads what was
 uploaded, and leaves one packed scene.
 
-Run by `drawing` as `python -I -m exogauge.scene.opening` in a temporary folder of its own.
+Asked by `drawing` in a temporary folder of its own.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
+from exogauge.sandbox.answering import Tasks
 
 SCENE = "log.scene"
 
@@ -110,5 +110,5 @@ def captured(folder: str, figure: str | None) -> dict[str, Any]:
     return {}
 
 
-if __name__ == "__main__":
-    serve({"recording": recording, "still": still, "payload": payload, "played": played, "captured": captured})
+TASKS: Tasks = {"recording": recording, "still": still, "payload": payload, "played": played, "captured": captured}
+LOADED = ("exogauge.scene.recording", "exogauge.scene.take", "exogauge.studies.series.recorded_motion")

@@ -125,13 +125,29 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
         asked = criteria.once_if_clear if explained > criteria.once_nearly_all else judging.once
     objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once, model.criteria)
     if objection is None and any(each.name == SINCE for each in candidate.effect.shapes):
-        objection = _not_of_the_log(model, score, rows, there)
+        objection = _not_of_the_log(model, score, rows, there, _explained_below(model, changes, there))
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
 
 
-def _not_of_the_log(model: RobotModel, score: Score, rows: Sequence[SiteRows], there: set[str]) -> Objection | None:
-    """What begins with a log must not be in the others at such speeds: a joint that creeps in all later logs shows from
+def _explained_below(model: RobotModel, changes: Sequence[_Change], there: set[str]) -> float:
+    """Speed below which nearly all of what the effect explains in the logs that have it lies; infinite for none."""
+    moving = [each for each in changes if each.rows.log in there and isinstance(each.rows.seen.signals, AxisSignals)]
+    if not moving:
+        return np.inf
+    weights = model.solution.weights
+    gain = np.concatenate([float(weights[each.kind]) * each.gain for each in moving])
+    speed = np.concatenate([np.abs(_speeds(each)) for each in moving])
+    order = np.argsort(speed)
+    total = np.cumsum(gain[order])
+    share = model.criteria.judging.nearly_all_speeds
+    return float(speed[order][np.argmax(total >= share * total[-1])]) if total[-1] > 0.0 else np.inf
+
+
+def _not_of_the_log(
+    model: RobotModel, score: Score, rows: Sequence[SiteRows], there: set[str], explained_below: float
+) -> Objection | None:
+    """What begins with a log must not be in the others at such speeds: a joint that creeps in later logs shows from
     that log on what its friction does there. there: those that have it."""
     moving = [each for each in rows if isinstance(each.seen.signals, AxisSignals)]
     speeds = {each.log: np.abs(each.seen.signals.velocity) for each in moving}
@@ -139,7 +155,7 @@ def _not_of_the_log(model: RobotModel, score: Score, rows: Sequence[SiteRows], t
     if not later:
         return None
     judging, weights, own = model.criteria.judging, model.solution.weights, model.equations.columns()
-    fastest = float(np.quantile(np.concatenate(later), judging.nearly_all_speeds))
+    fastest = min(float(np.quantile(np.concatenate(later), judging.nearly_all_speeds)), explained_below)
     effect, shapes = score.candidate.effect, score.candidate.effect.shapes
     always = tuple(0.0 if one.name == SINCE else at for one, at in zip(shapes, score.candidate.shape, strict=True))
     found = dict[tuple[str, int], float]()
@@ -211,10 +227,16 @@ def _objection(
     return None
 
 
+def _speeds(each: _Change) -> Array:
+    """(n,) [rad/s or m/s] with sign."""
+    signals: AxisSignals = each.rows.seen.signals
+    return np.asarray(signals.velocity[each.rows.rows[each.kind].samples])
+
+
 def _velocity(each: _Change) -> Array:
     """(n,) in units of the axis' usual speed."""
     signals: AxisSignals = each.rows.seen.signals
-    return np.asarray(signals.velocity[each.rows.rows[each.kind].samples] / max(signals.speed_scale, 1e-12))
+    return np.asarray(_speeds(each) / max(signals.speed_scale, 1e-12))
 
 
 def _regimes(criteria: Searching) -> dict[str, Callable[[_Change], NDArray[np.bool_]]]:

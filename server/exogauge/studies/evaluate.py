@@ -55,6 +55,7 @@ from exogauge.studies.results.examine_logs import (
     refuse_what_made_it_worse,
     suspects,
     told_of_errors,
+    unsure_coefficients,
     unsure_joints,
     without_spoiled,
     worn_without_spoiled,
@@ -169,7 +170,9 @@ def _evaluate(
                     discrepancy, bool(spoiled), spans[Stage.SUPPORT], failed,
                 )  # fmt: skip
         give_back()
-        told_of = found.by_stated_constants().with_undecided(unsure_joints(kept.findings))
+        told_of = found.by_stated_constants().with_undecided(
+            unsure_joints(kept.findings), unsure_coefficients(recordings, kept.findings)
+        )
         late = late_and_not_in_the_model(recordings, kept.findings, used, discrepancy)
         if nothing := bool(spoiled or late):
             told_of = told_of.with_nothing_decided()

@@ -71,6 +71,14 @@ class Profiles:
         skewed = self.covariance[k_at, k_at] >= (SKEWED * value) ** 2
         return self.interval(k_at, value), self.interval(l_at, 0.0 if skewed else stretch)
 
+    def of_other_fits(self, index: int) -> list[float]:
+        """The same value by fits that end elsewhere and are within the interval's level."""
+        _, coarse = self._coarse
+        shift = float(self.fitted.wear.springs[index]) - float(coarse.wear.springs[index])
+        as_good = [each for each in self._elsewhere if self._share(index) * (each.cost - coarse.cost) <= Z95**2]
+        ends = [float(each.wear.springs[index]) + shift for each in as_good]
+        return [*ends, *(float(rival.fitted.wear.springs[index]) for rival, _ in self._rivals)]
+
     @cached_property
     def _found(self) -> dict[int, tuple[float, float]]:
         """Bands share values: what was walked along once."""

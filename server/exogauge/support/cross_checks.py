@@ -246,7 +246,7 @@ def _with_columns(setting: Setting, fitted: Fitted, A: Array) -> Fitted:
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:
     """With the approaches held against each other, all checks of a device at one level, and what fails no longer
-    identifiable. B's doubt may hide what both that compare runs see of the bands themselves: it is no more so then."""
+    identifiable: by the approach that sees it, and by every other one that cannot say that it is not so."""
     result = list(found)
     for device in dict.fromkeys(each.device for each in found):
         own = [k for k, each in enumerate(found) if each.device == device and each.approach != "prior"]
@@ -259,19 +259,38 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
             every = (*inside, *between[k])
             checks = tuple(each if each.check == "misfit" else replace(each, limit=limit) for each in every)
             result[k] = replace(found[k], cross_checks=checks)
-        of_bands = _seen_by_both([result[k] for k in own if result[k].approach != "B"])
+        failing = {k: [each for each in result[k].cross_checks if not each.agrees] for k in own}
+        of_bands = _seen_by_both([failing[k] for k in own if result[k].approach != "B"])
         for k in own:
-            against = (*result[k].cross_checks, *(of_bands if result[k].approach == "B" else ()))
+            against = [(each, "") for each in failing[k]]
+            for n in (n for n in own if n != k):
+                seen = [each for each in failing[n] if result[k].approach == "B" and each.group in of_bands]
+                seen += [each for each in failing[n] if not _excluded(each, result[k].cross_checks, criteria.equal)]
+                against += [(each, result[n].approach) for each in dict.fromkeys(seen)]
             result[k] = replace(result[k], bands=tuple(_told(band, against) for band in result[k].bands))
     return tuple(result)
 
 
-def _seen_by_both(runs: Sequence[StiffnessResult]) -> list[CrossCheck]:
-    """Of A and the paired estimate, what fails of a group's bands where it does so by both."""
-    failed = [[each for each in one.cross_checks if each.check in OF_THE_BANDS and not each.agrees] for one in runs]
-    groups = [{each.group for each in own} for own in failed]
-    both = set.intersection(*groups) if len(groups) > 1 else set()
-    return [each for own in failed for each in own if each.group in both]
+def _seen_by_both(failing: Sequence[Sequence[CrossCheck]]) -> set[str]:
+    """Groups of which A and the paired estimate both see something of the bands themselves: what B's own checks say,
+    which what the model of the robot lacks bends too, excludes it no more."""
+    groups = [{each.group for each in own if each.check in OF_THE_BANDS} for own in failing]
+    return set.intersection(*groups) if len(groups) > 1 else set()
+
+
+def _excluded(failed: CrossCheck, own: Sequence[CrossCheck], z: float) -> bool:
+    """Whether another approach's check of the same parts agrees, and does not agree with what fails. One whose doubt is
+    too large to see it, or to be made at all, excludes nothing; nor does any that two approaches contradict each other.
+    """
+    same = [
+        each
+        for each in own
+        if (each.check, each.group, each.unit) == (failed.check, failed.group, failed.unit)
+        and (failed.check == "misfit" or set(each.between) == set(failed.between))
+    ]
+    return failed.check != "approaches" and any(
+        each.agrees and abs(each.difference - failed.difference) > z * np.hypot(each.std, failed.std) for each in same
+    )
 
 
 def _against_others(one: StiffnessResult, others: Sequence[StiffnessResult]) -> list[CrossCheck]:
@@ -288,13 +307,18 @@ def _against_others(one: StiffnessResult, others: Sequence[StiffnessResult]) -> 
     return checks
 
 
-def _told(band: BandEstimate, checks: Sequence[CrossCheck]) -> BandEstimate:
-    """Not identifiable where a check fails, with the worst in the note."""
-    failed = [each for each in checks if each.group == band.group and not each.agrees]
-    if not failed or not band.identifiable:
+def _told(band: BandEstimate, checks: Sequence[tuple[CrossCheck, str]]) -> BandEstimate:
+    """Not identifiable where a check fails, with the worst in the note. checks: that fail, and by which other approach
+    they do."""
+    failed = [each for each in checks if each[0].group == band.group]
+    stays = all(each.check not in OF_THE_BANDS and each.unit != "m" for each, _ in failed)  # else no line ends there
+    length = band.length_identifiable and stays
+    if not failed or (band.identifiable, band.length_identifiable) == (False, length):
         return band
-    worst = max(failed, key=lambda each: abs(each.z) / each.limit)
+    worst, by = max(failed, key=lambda each: abs(each[0].z) / each[0].limit)
     said = About.LENGTHS_DISAGREE if worst.unit == "m" and worst.check != "halves" else SAID[worst.check]
-    note = Remark(said, worst.between, numbers=(worst.difference, worst.std))
-    stays = all(each.check not in OF_THE_BANDS and each.unit != "m" for each in failed)  # else no line ends at a length
-    return replace(band, identifiable=False, length_identifiable=band.length_identifiable and stays, note=note)
+    names = list(worst.between)
+    if by and worst.check != "approaches":
+        names[0 if worst.check == "misfit" else -1] += f" by {by}"
+    note = Remark(said, tuple(names), numbers=(worst.difference, worst.std))
+    return replace(band, identifiable=False, length_identifiable=length, note=note)

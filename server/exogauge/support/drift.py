@@ -1,15 +1,16 @@
 """What drives gave per ampere and how they rubbed in every log, as logs without the device tell that were recorded
 before and after.
 
-    r = Σ_k (delta_k(t) + m_k) u_k + o + e,    delta_k(t) = Σ_r beta_kr (w_r(t) - mean of w_r where fitted)
+    r = Σ_k (m_k + (1 + m_k) delta_k(t)) u_k + o + e,    delta_k(t) = Σ_r beta_kr (w_r(t) - mean of w_r where fitted)
 
 r: torque that the model leaves unexplained without a device; u_k: k_T i, viscous and Coulomb friction of the model;
 m_k: what it misses in this motion as a share of u_k, the same in all repetitions, so that only what changes between
-them tells; o: a zero of this log. A drive warms and cools in first order, w_r(t) = (1 - exp(-t/T_r)) /
-(1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for each of R that span what
-motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign. A robot's motors warm in one
-session: of that variance c is of what all have in common, in units of s_k each, and 1 - c is each motor's own, so that
-those that a motion loads tell something of the others.
+them tells. What is there, 1 + m_k of what is modelled, is what a drift changes: a joint that creeps has next to nothing
+of Coulomb's friction, and says nothing of its drift. o: a zero of this log. A drive warms and cools in first order,
+w_r(t) = (1 - exp(-t/T_r)) / (1 - exp(-t_end/T_r)), by a time constant that nobody knows: beta_kr ~ N(0, s_k² / R) for
+each of R that span what motors have, s_k: kt_drift, viscous_drift, coulomb_drift. Nothing is said of the sign. A
+robot's motors warm in one session: of that variance c is of what all have in common, in units of s_k each, and 1 - c is
+each motor's own, so that those that a motion loads tell something of the others.
 """
 
 from __future__ import annotations
@@ -204,11 +205,13 @@ class _Told:
         what is declared allows: the model misses something that is another in each repetition. size: (K R,)."""
         K, names, alike = runs.share.shape[1], list(dict.fromkeys(runs.motions)), DECLARED.motors_alike
         M = np.array([[motion == name for name in names] for motion in runs.motions], dtype=np.float64)
-        told = np.isfinite(runs.share)
+        there = _there(runs, M)
+        told = np.isfinite(runs.share) & (there > 0.0) & (there - 1.0 < criteria.drift_most * criteria.drift_missed)
         of_beta, of_missed = (
             np.concatenate([np.kron(np.eye(K), each)[None] for each in slopes])[told] * scale
             for slopes, scale in ((runs.course, size), (M, criteria.drift_missed))
         )
+        of_beta = of_beta * there[told][:, None]
         which, kind = np.nonzero(told)
         noise = np.where(which[:, None] == which, runs.covariance[which[:, None], kind[:, None], kind], 0.0)
         z, believed = runs.share[told], of_missed @ of_missed.T
@@ -232,6 +235,16 @@ class _Told:
         S = (1.0 - alike) * of_beta @ of_beta.T + believed + scaled
         own = (1.0 - alike) * of_beta * size
         return _Told(z, S, np.sqrt(alike) * of_beta, own, np.linalg.solve(S, own).T)
+
+
+def _there(runs: Runs, M: Array) -> Array:
+    """(n, K) 1 + m of each run's motion, by its repetitions; 0 where nothing is said. M: (n, motions)."""
+    told = np.isfinite(runs.share)
+    variance = np.diagonal(runs.covariance, axis1=1, axis2=2)
+    weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=told & (variance > 0.0))
+    total = M.T @ weight
+    sums = M.T @ (weight * np.where(told, 1.0 + runs.share, 0.0))
+    return np.asarray(M @ np.divide(sums, total, out=np.zeros_like(sums), where=total > 0.0))
 
 
 def _widened(z: Array, believed: Array, noise: Array, most: float) -> float:

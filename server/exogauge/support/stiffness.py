@@ -29,7 +29,7 @@ from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions, inverted
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved, without_shapes
 from exogauge.support.band_inputs import DONNING, VIA_POINTS
-from exogauge.support.band_interval import Profiles
+from exogauge.support.band_interval import SHORTEST, SKEWED, Profiles
 from exogauge.support.band_model import (
     LENGTH_DOUBT,
     NULL,
@@ -85,6 +85,18 @@ class Springs:
         """95 % of stiffness and natural length of one band."""
         stretch = self.seen.setting.wires[k].longest - self.seen.fitted.wear.spring(k)[1]
         return self._profiles.of_band(k, max(stretch, 0.0))
+
+    def other_stiffness(self, k: int, known: float) -> float | None:
+        """[N/m] of another fit that the logs contradict no more, furthest from this one; None where it is less off than
+        what counts as known. Of several bands one may pull for all, however sharp its fit."""
+        layout = self.seen.fitted.wear.layout
+        place = int(layout.stiffness[k])
+        value, std = float(self.seen.fitted.wear.springs[place]), float(np.sqrt(self.doubt[place, place]))
+        if not np.isfinite(std) or (std < SKEWED * value and np.sum(layout.stiffness == place) == 1):
+            return None
+        others = self._profiles.of_other_fits(place)
+        furthest = max(others, key=lambda other: abs(np.log(max(other, SHORTEST) / value)), default=value)
+        return furthest if abs(furthest - value) > known * min(furthest, value) else None
 
     @cached_property
     def _profiles(self) -> Profiles:
@@ -332,7 +344,8 @@ def _estimate(
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
-    l_known = length.std <= known * stretch and not edge
+    l_known = length.std <= known * stretch and np.isfinite(l_interval[1]) and not edge
+    other = springs.other_stiffness(k, known) if k_known or l_known else None
     return BandEstimate(
         band=band.name,
         group=band.group,
@@ -342,9 +355,11 @@ def _estimate(
         natural_length_interval=l_interval,
         true_stiffness=truth,
         error_percent=None if truth is None or names[0] in blind else 100.0 * (value - truth) / truth,
-        identifiable=bool(k_known),
-        length_identifiable=bool(l_known),
-        note=_note(band, pulls, names, blind, edge, k_known, l_known),
+        identifiable=bool(k_known and other is None),
+        length_identifiable=bool(l_known and other is None),
+        note=_note(band, pulls, names, blind, edge, k_known, l_known)
+        if other is None
+        else Remark(About.ANOTHER_FIT, (band.name,), numbers=(other,)),
         with_effects=with_effects,
         longest=wire.longest,
     )

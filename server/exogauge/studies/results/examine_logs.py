@@ -24,6 +24,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
+from exogauge.logs.signal_rules import SLOWLY_SAMPLED
 from exogauge.plausibility.examine import examine_against_robot, examine_worn
 from exogauge.plausibility.told_as import (
     EFFORT_DELAY,
@@ -165,6 +166,13 @@ def late_and_not_in_the_model(
 def unsure_joints(findings: Sequence[Mapping[str, Any]]) -> set[str]:
     """Those of which position and effort may both be turned: what other bodies do to them then has the wrong sign."""
     return {str(each["channel"]).partition(".")[2] for each in findings if each["rule"] == UNSURE_SIGN}
+
+
+def unsure_coefficients(recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """What stands for each other where friction turns round between the samples of a fitted log."""
+    fitted = {each.log.name for each in recordings if not each.held_out}
+    slow = any(each["rule"] == SLOWLY_SAMPLED and each["log"] in fitted for each in findings)
+    return ("k_d", "tau_c", "tau_s", "J_r") if slow else ()
 
 
 def _spoiling(robot: Robot, findings: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:

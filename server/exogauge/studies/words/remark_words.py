@@ -315,6 +315,10 @@ FORMS: Mapping[About, Form] = {
     About.STIFFNESS_OPEN: Form(
         "The doubt is more than half of the value: a motion that stretches this band further would decide."
     ),
+    About.ANOTHER_FIT: Form(
+        "The logs contradict another fit no more, in which {names} has {0:.3g} N/m: one band may pull for two, or come "
+        "taut elsewhere. A motion that stretches the bands of the group unlike would decide."
+    ),
     About.LENGTH_OPEN: Form("The natural length is hardly decided by these motions."),
 }
 
