@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from exogauge.sandbox import LogRequest, parse_log
+from exogauge.sandbox import LogRequest, fork_server, parse_log
 from exogauge.sandbox.readers import Reader, Readers, readers
 
 pytestmark = pytest.mark.slow
@@ -135,6 +136,24 @@ def test_a_process_that_was_forked_asks_a_server_of_its_own(short: LogRequest) -
     assert server.poll() is None
     assert parse_log(short).samples == 50
     assert readers._server is server
+
+
+@pytest.mark.parametrize("said", [b"nonsense", b"[]", b'{"module": "exogauge.sandbox.child"}', b""])
+def test_what_is_no_request_ends_its_line_alone(said: bytes) -> None:
+    """As a reader that was taken over would use the line on which it may ask for others."""
+    ours, theirs = socket.socketpair()
+    server = fork_server.ForkServer(theirs)
+    try:
+        ours.sendall(said)
+        ours.shutdown(socket.SHUT_WR)
+        assert not server.take(theirs)
+    finally:
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        for fd in server.own:
+            os.close(fd)
+        ours.close()
+        theirs.close()
 
 
 def test_what_cannot_be_started_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -58,20 +58,22 @@ class ForkServer:
                 os.killpg(pid, signal.SIGKILL)
 
     def take(self, channel: socket.socket) -> bool:
-        """One request; False where nobody is left to make one."""
+        """One request; False where nobody is left to make one, or what is asked is none, as of a reader taken over."""
+        fds = list[int]()
         try:
             message, fds, _, _ = socket.recv_fds(channel, REQUEST_BYTES, 3)
-        except ConnectionError:
+            request, (asked, trace, told) = json.loads(message), fds
+            module, folder = str(request["module"]), str(request["folder"])
+        except (OSError, ValueError, KeyError, TypeError):
+            for fd in fds:
+                os.close(fd)
             return False
-        if not message:
-            return False
-        request, (asked, trace, told) = json.loads(message), fds
-        load(request["module"])
+        load(module)
         ours, theirs = socket.socketpair()
         try:
             pid = os.fork()
         except OSError as problem:
-            os.write(told, TOLD.pack(FORK_ERROR, problem.errno or 0))
+            tell(told, FORK_ERROR, problem.errno or 0)
             os.close(told)
             ours.close()
         else:
@@ -80,10 +82,10 @@ class ForkServer:
                     each.close()
                 for fd in (*self.own, *self.running.values(), told):
                     os.close(fd)
-                be_a_reader(request["module"], request["folder"], asked, trace, theirs)
+                be_a_reader(module, folder, asked, trace, theirs)
             self.running[pid] = told
             self.channels.append(ours)
-            os.write(told, TOLD.pack(pid, 0))
+            tell(told, pid, 0)
         theirs.close()
         os.close(asked)
         os.close(trace)
@@ -95,9 +97,13 @@ class ForkServer:
             if pid == 0:
                 return
             told = self.running.pop(pid)
-            with suppress(OSError):
-                os.write(told, TOLD.pack(pid, os.waitstatus_to_exitcode(status)))
+            tell(told, pid, os.waitstatus_to_exitcode(status))
             os.close(told)
+
+
+def tell(told: int, pid: int, code: int) -> None:
+    with suppress(BrokenPipeError):  # nobody waits any more
+        os.write(told, TOLD.pack(pid, code))
 
 
 def load(module: str) -> None:
