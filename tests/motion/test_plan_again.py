@@ -84,12 +84,14 @@ def test_a_plan_stays_where_a_tighter_one_is_not_found_and_one_on_more_nodes_is_
 
 
 @pytest.mark.slow
-def test_what_is_exceeded_is_planned_anew_with_as_much_less(robot: MotionRobot, brief) -> None:
-    """Nodes that may take 4 % more than a joint bears, and of which every row has one."""
+@pytest.mark.parametrize("borne", [0.9, 0.89973])
+def test_what_is_exceeded_is_planned_anew_with_as_much_less(borne: float, robot: MotionRobot, brief) -> None:
+    """Nodes that may take 4 % more than a joint bears, and of which every row has one. Of the second the plan made anew
+    takes 1 % more than two knees may accelerate, which is nearer: it was given up for them."""
     asked, planned = brief
     pitch = robot.joints.index("torso_pitch")
     torque = robot.limits.torque.copy()
-    torque[pitch] = 0.9 * np.abs(judge(robot, planned.spline, asked.place[0], planned=planned).torque[:, pitch]).max()
+    torque[pitch] = borne * np.abs(judge(robot, planned.spline, asked.place[0], planned=planned).torque[:, pitch]).max()
     weak, criteria = replace(robot, limits=replace(robot.limits, torque=torque)), replace(USUAL, kept=1.04)
     first = plan(weak, asked, criteria)
     told = judge(weak, first.spline, asked.place[0], criteria, 1.0 / asked.step, first).broken

@@ -42,10 +42,10 @@ class _Found:
         """(J,) largest share of each bound."""
         return {what: np.maximum(share, self.table.most[what]) for what, share in self.judged.most.items()}
 
-    def breaks(self, criteria: MotionPlan) -> tuple[int, float]:
-        """How many bounds, and by how much the worst."""
+    def breaks(self, criteria: MotionPlan) -> tuple[float, int]:
+        """By how much the worst bound, as a share of it, 1 for none; how many are told."""
         worst = max(float(share.max()) for share in self.most.values())
-        return len(self.judged.broken), max(worst, 1.0 + self.lacks(criteria) / HALF_FOOT_M)
+        return max(1.0, worst, 1.0 + self.lacks(criteria) / HALF_FOOT_M), len(self.judged.broken)
 
     @property
     def by_table(self) -> bool:
@@ -64,8 +64,8 @@ def plan_within(
 ) -> tuple[Planned, Judged, Asked]:  # fmt: skip
     """Planned and judged at `rate` [Hz], as it is and as its table is read. Where a bound is broken that the nodes
     keep, it is planned anew, `again` times at most, each time from the best that there is: with what is exceeded, or
-    nearly so, bounded by as much less; where that comes no nearer, on more nodes. Best is what breaks fewest bounds,
-    and by least; with what is asked on its nodes.
+    nearly so, bounded by as much less; where that comes no nearer, on more nodes. Best is what breaks its worst bound
+    by least, and the fewest; with what is asked on its nodes.
 
     Where the robot cannot even stand at home no motion keeps its bounds: nothing is planned, what is lacking is told
     first, and standing at home is judged. stop: as of `plan`; a plan that is there already is not lost by it.
@@ -108,7 +108,7 @@ def _tightened(found: _Found, criteria: MotionPlan) -> tuple[MotionRobot, Motion
     near, lacks = max(0.0, criteria.clearance_m - float(found.judged.apart.min())), found.lacks(criteria)
     beside = criteria.more_kept * HALF_FOOT_M if lacks else 0.0
     given = replace(given, margin_m=given.margin_m + 2.0 * lacks + beside, apart_m=given.apart_m + 2.0 * near)
-    swings = 0.5 * (criteria.kept + 1.0)
+    swings = min(0.5 * (criteria.kept + 1.0), 1.0)
     less = {what: np.where(share > swings, share + criteria.more_kept, 1.0)
             for what, share in found.most.items()}  # fmt: skip
     if not any((share > 1.0).any() for share in less.values()):
