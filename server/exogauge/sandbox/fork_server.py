@@ -22,7 +22,7 @@ from typing import NoReturn, final
 from exogauge.garbage import left_while_loading
 from exogauge.sandbox.protocol import FORK_ERROR, REQUEST_BYTES, TOLD
 
-IDLE_S = 60.0
+IDLE_S = 60.0  # judgement: uploads of one sitting share a server, and its 92 MB are held no longer
 OWN_FOLDER = ("HOME", "TMPDIR", "HDF5_PLUGIN_PATH")  # of a reader's environment
 
 

@@ -10,6 +10,6 @@ LOG = "log.parquet"  # the canonical table, written by the child
 LOGS = "log-{}.parquet"  # the same where a child reads several logs, each by its place among them
 URDF = "robot.urdf"  # the bytes to check, written by the parent
 
-REQUEST_BYTES = 1 << 16  # of what the fork server is asked, which names a module and a folder
+REQUEST_BYTES = 1 << 16  # of what the fork server is asked: a module's name and a folder, of 4096 bytes at most
 TOLD = struct.Struct("<ii")  # a reader's process id and exit code, the latter 0 at its beginning
 FORK_ERROR = 0  # in place of the process id, with the error's number: it could not be started

@@ -97,25 +97,22 @@ class Readers:
     def _begun(self, request: bytes, asked: int, trace: int, environment: Mapping[str, str]) -> Reader | None:
         channel = self._connected(environment)
         told, telling = os.pipe()
+        reader = None
         try:
             try:
                 socket.send_fds(channel, [request], [asked, trace, telling])
             except ConnectionError:
-                os.close(told)
                 return None
             finally:
                 os.close(telling)
             said = _said(told, None)
-            if said is not None and said[0] != FORK_ERROR:
-                return Reader(said[0], told)
-        except BaseException:
-            with suppress(OSError):
+            if said is not None and said[0] == FORK_ERROR:
+                raise OSError(said[1], os.strerror(said[1]))
+            reader = None if said is None else Reader(said[0], told)
+            return reader
+        finally:
+            if reader is None:
                 os.close(told)
-            raise
-        os.close(told)
-        if said is not None:
-            raise OSError(said[1], os.strerror(said[1]))
-        return None
 
     def _connected(self, environment: Mapping[str, str]) -> socket.socket:
         if self._channel is not None and self._of == os.getpid() and self._environment in (None, environment):
