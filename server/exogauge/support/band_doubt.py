@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.identifying import DECLARED
 from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
-from exogauge.support.band_inputs import scores_of_inputs
+from exogauge.support.band_inputs import Moves, scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_rows import WearLogs
 from exogauge.support.coloured import by_autocovariance, larger
@@ -33,9 +33,10 @@ def contributions(
     fitted: Fitted,
     robot: Mapping[str, Array],
     null: Setting | None = None,
+    moves: Moves | None = None,
 ) -> dict[str, Array]:
     """Name of a source -> (P, P) of theta about the truth: H⁻¹ M H⁻¹, with H the curvature, M of what follows; where
-    nothing pulls anywhere `scatter` alone, which is none.
+    nothing pulls anywhere `scatter` alone, which is none. moves: as of `scores_of_inputs`.
 
     scatter: S, what errors of this kind make of the score (they last), and what is believed of the springs;
     robot: G C Gᵀ, C: covariance of the robot's parameters and of what all logs share (`RobotModel.doubt`), or its parts
@@ -62,7 +63,7 @@ def contributions(
     if null is not None:
         n = _null_score(null, fitted)
         found[NULL_TEST] = np.outer(n, n)
-    found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
+    found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted, moves).items()}
     inverse = inverted(fitted.hessian)
     live = {name: meat for name, meat in found.items() if meat.any()} or {SCATTER: found[SCATTER]}
     return {name: np.asarray(inverse @ meat @ inverse) for name, meat in live.items()}

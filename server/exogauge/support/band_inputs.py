@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -25,17 +25,34 @@ VIA_POINTS, DONNING = "via_points", "donning"
 SHAPE_DOUBT = 0.25  # of a shape's range: how far what a search has named may be off, found as it is without the rest
 
 
-def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
+@final
+@dataclass(frozen=True)
+class Moves:
+    """of: (m,) whose each input is. torque: (n D, m) [N·m] that one standard deviation of each adds at `BandInputs`."""
+
+    of: tuple[str, ...]
+    torque: Array
+
+
+def moves_of_inputs(setting: Setting, fitted: Fitted) -> Moves:
+    few = BandInputs(setting, fitted)
+    moves = list(few.torques())
+    torque = np.stack([each.ravel() for _, each in moves], axis=1) if moves else np.zeros((few.weight.size, 0))
+    return Moves(tuple(name for name, _ in moves), torque)
+
+
+def scores_of_inputs(setting: Setting, fitted: Fitted, moves: Moves | None = None) -> dict[str, Array]:
     """Name -> (P, n) Σ Aᵀ w δτ per standard deviation of each of its n independent inputs. δτ: torque that the input
-    adds to what the fit explains.
+    adds to what the fit explains. moves: where they are known of these springs, whatever columns they have.
 
     Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
     log alone.
     """
-    few, found = BandInputs(setting, fitted), {VIA_POINTS: list[Array](), DONNING: list[Array]()}
-    for name, torque in few.torques():
-        found[name].append(np.einsum("ndp,nd->p", few.weighted, torque))
-    return {name: np.stack(each, axis=1) for name, each in found.items() if each}
+    moves = moves or moves_of_inputs(setting, fitted)
+    weighted, P = BandInputs(setting, fitted).weighted, fitted.A.shape[2]
+    scores = weighted.reshape(-1, P).T @ moves.torque
+    of = np.array(moves.of)
+    return {name: np.asarray(scores[:, of == name]) for name in (VIA_POINTS, DONNING) if name in moves.of}
 
 
 def nuisance_torques(setting: Setting, fitted: Fitted, shapes: bool = True) -> Between | None:

@@ -163,7 +163,8 @@ class Profiles:
         first, last = min(reached), max(reached)
 
         @cache  # both ends, and both of a search for either, ask for the same values again
-        def excess(candidate: float) -> float:
+        def deviations(candidate: float) -> float:
+            """By which it is worse than the fit: straight lines where the profile is a parabola."""
             nearest = reached[min(reached, key=lambda other: abs(other - candidate))]
             starts = (
                 [coarse.wear] if nearest is coarse.wear else [coarse.wear, nearest]
@@ -171,16 +172,17 @@ class Profiles:
             at = {index: max(candidate - shift, SHORTEST)}
             held = min((lowest(few, start, at, self._small) for start in starts), key=lambda reached: reached.cost)
             reached[candidate] = held.wear
-            return float(share * (held.cost - coarse.cost) - level)
+            return float(np.sqrt(max(share * (held.cost - coarse.cost), 0.0)))
 
         low, high = value - half, value + half
         straight = 0.2 * level  # of the cost at a symmetric interval's ends: they are off by a tenth of its half
         narrow = low <= first and last <= high
-        if narrow and low > SHORTEST and max(abs(excess(low)), abs(excess(high))) <= straight:
+        if narrow and low > SHORTEST and all(abs(deviations(end) ** 2 - level) <= straight for end in (low, high)):
             return low, high
+        end = float(np.sqrt(level))
         return (
-            _crossing(excess, first, -half, max(SHORTEST, first - reach * std)) or 0.0,
-            _crossing(excess, last, half, last + reach * std) or np.inf,
+            _crossing(deviations, end, first, -half, max(SHORTEST, first - reach * std)) or 0.0,
+            _crossing(deviations, end, last, half, last + reach * std) or np.inf,
         )
 
 
@@ -189,14 +191,16 @@ def _alike(one: Wear, other: Wear) -> bool:
     return np.allclose(one.springs, other.springs, rtol=SKEWED)
 
 
-def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:
+def _crossing(
+    deviations: Callable[[float], float], level: float, value: float, step: float, limit: float
+) -> float | None:
     """Where the profile crosses its level, going from value by steps towards limit; None if it does not."""
     near = value
     while (limit - near) * np.sign(step) > 0.0:
         far = near + step
         far = min(far, limit) if step > 0.0 else max(far, limit)
-        if excess(far) > 0.0:
-            return float(brentq(excess, near, far, xtol=1e-2 * abs(step)))
+        if deviations(far) > level:
+            return float(brentq(lambda at: deviations(at) - level, near, far, xtol=1e-2 * abs(step)))
         near = far
         step *= 1.5
     return None

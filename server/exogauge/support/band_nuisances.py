@@ -13,6 +13,7 @@ The same as columns of ones and V beside A, each unknown believed to be 0 ± its
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -47,6 +48,11 @@ class Between:
         own = np.asarray(self.shares @ X.reshape(len(X), -1)).reshape(n * D, *X.shape[2:])
         return np.asarray(self._flat.T @ own)
 
+    def sums(self, weight: Array, spans: Sequence[slice]) -> Array:
+        """(m, L, D) sums of w V over the samples of each of L spans. weight: (N, D)."""
+        of_each = [np.asarray(self.shares[:, span] @ weight[span]) for span in spans]
+        return np.einsum("ldk,dkm->mld", np.stack(of_each).swapaxes(1, 2), self.values.swapaxes(0, 1), optimize=True)
+
     def at(self, chosen: IntArray) -> Between:
         """The same for some of the N."""
         return Between(self.values, self.shares[:, chosen])
@@ -78,11 +84,6 @@ class Nuisances:
         return self._by_log(self.weight)
 
     @cached_property
-    def _root(self) -> Array:
-        """(N, D) √w"""
-        return np.sqrt(self.weight)
-
-    @cached_property
     def shares(self) -> Array:
         """(L, D) γ: how much of a mean error is taken for an offset."""
         told = self.total * self.logs.zero_std**2
@@ -98,43 +99,66 @@ class Nuisances:
 
     def without(self, X: Array) -> Array:
         """(N, D, …) X⊥: what of errors or slopes is left beside all of this."""
-        return self._beside_offsets(self._beside_added(X)[0])
+        return self._apart(X)[0]
 
     def whitened(self, X: Array) -> Array:
         """(N, D, …) X - c mean(X), c = 1 - √(1 - γ): its weighted squares are the information that offsets leave."""
         return self._less(X, self.shares / (1.0 + np.sqrt(1.0 - self.shares))) if self.doubted else X
 
     def information(self, A: Array) -> Array:
-        """(P, P) Aᵀ w A⊥, as a sum of squares."""
-        left, v = self._beside_added(A)
-        flat = (self.whitened(left) * self._root[:, :, None]).reshape(-1, A.shape[2])
-        return np.asarray(flat.T @ flat + v.T @ v)
+        """(P, P) Aᵀ w A⊥ = Aᵀ w A - Σ γ/W SᵀS - Tᵀ (1 + Vᵀ w V°)⁻¹ T, S sums of w A by log and joint, T = Vᵀ w A°."""
+        weighed, P = _beside(self.weight, A) * A, A.shape[2]
+        sums = self._by_log(weighed)
+        H = weighed.reshape(-1, P).T @ A.reshape(-1, P)
+        if self.doubted:
+            H -= (_beside(self._of_sums, sums) * sums).reshape(-1, P).T @ sums.reshape(-1, P)
+        if self.added is not None:
+            told = self._told_of_added(self.added, weighed, sums)
+            H -= told.T @ self._doubt_of_added @ told
+        return np.asarray(0.5 * (H + H.T))
 
     def beside(self, e: Array) -> tuple[Array, float]:
         """(N, D) what of errors is left beside the likeliest of all of this, and what it costs: Σ (o / s)² + Σ v²."""
-        e, v = self._beside_added(e)
-        cost = float(v @ v)
-        if not self.doubted:
-            return e, cost
-        found, std = self.likeliest_offsets(e), self.logs.zero_std
-        cost += float(np.sum(np.divide(found, std, out=np.zeros_like(std), where=std > 0.0) ** 2))
-        return self._less_in_each(e, found), cost
+        left, v, found = self._apart(e)
+        std = self.logs.zero_std
+        paid = np.divide(found, std, out=np.zeros_like(std), where=std > 0.0)
+        return left, float(v @ v + np.sum(paid**2))
 
     def score_of_offsets(self, told: Array) -> Array:
         """(P, P) of the score, from offsets of the declared size. told: (N, D, P) w A⊥."""
         moved = (self._by_log(told) * self.logs.zero_std[:, :, None]).reshape(-1, told.shape[2])
         return np.asarray(moved.T @ moved)
 
-    def _beside_offsets(self, X: Array) -> Array:
-        return self._less(X, self.shares) if self.doubted else X
+    def _apart(self, X: Array) -> tuple[Array, Array, Array]:
+        """(N, D, …) X⊥, (m, …) v(X), and (L, D, …) the likeliest offsets of what is left beside V v."""
+        if not self.doubted and self.added is None:
+            return X, np.zeros((0, *X.shape[2:])), np.zeros((*self.total.shape, *X.shape[2:]))
+        weighed = _beside(self.weight, X) * X
+        sums = self._by_log(weighed)
+        v = np.zeros((0, *X.shape[2:]))
+        if self.added is not None:
+            v = self._doubt_of_added @ self._told_of_added(self.added, weighed, sums)
+            X, sums = X - self.added.times(v), sums - np.tensordot(self._sums_of_added, v, axes=(0, 0))
+        found = _beside(self._of_sums, sums) * sums
+        return (self._less_in_each(X, found) if self.doubted else X), v, found
 
-    def _beside_added(self, X: Array) -> tuple[Array, Array]:
-        """(N, D, …) X - V v(X), and (m, …) v(X)."""
-        if self.added is None:
-            return X, np.zeros((0, *X.shape[2:]))
-        told = self.added.against(_beside(self.weight, X) * self._beside_offsets(X))  # V°ᵀ w X = Vᵀ w X°
-        v = self._doubt_of_added @ told
-        return X - self.added.times(v), v
+    def _told_of_added(self, added: Between, weighed: Array, sums: Array) -> Array:
+        """(m, …) V°ᵀ w X = Vᵀ w X°. weighed: (N, D, …) w X; sums: (L, D, …) of it."""
+        told = added.against(weighed)
+        if not self.doubted:
+            return told
+        return np.asarray(told - np.tensordot(self._sums_of_added, _beside(self._of_sums, sums) * sums, axes=2))
+
+    @cached_property
+    def _of_sums(self) -> Array:
+        """(L, D) γ / W: the likeliest offset, of a sum of weighted errors."""
+        return np.asarray(self.shares / np.where(self.total > 0.0, self.total, 1.0))
+
+    @cached_property
+    def _sums_of_added(self) -> Array:
+        """(m, L, D) of w V."""
+        assert self.added is not None
+        return self.added.sums(self.weight, self.logs.spans)
 
     @cached_property
     def _doubt_of_added(self) -> Array:
@@ -144,7 +168,10 @@ class Nuisances:
         known = np.zeros((m, m))
         for first in range(0, m, together):
             own = self.added.times(np.eye(m)[:, first : first + together])
-            known[:, first : first + together] = self.added.against(self.weight[:, :, None] * self._beside_offsets(own))
+            known[:, first : first + together] = self.added.against(self.weight[:, :, None] * own)
+        if self.doubted:
+            sums = self._sums_of_added
+            known -= (sums * self._of_sums).reshape(m, -1) @ sums.reshape(m, -1).T
         return np.asarray(np.linalg.inv(np.eye(m) + 0.5 * (known + known.T)), dtype=np.float64)
 
     def _less(self, X: Array, share: Array) -> Array:

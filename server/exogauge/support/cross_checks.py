@@ -24,6 +24,7 @@ from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit
+from exogauge.support.band_inputs import Moves, moves_of_inputs
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
 from exogauge.support.band_weights import rms
 
@@ -59,7 +60,10 @@ def within(
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
     found: dict[int, list[CrossCheck]] = {place: [] for place in members}
-    null = _null_of_fit(seen)
+    null, apart = (
+        _null_of_fit(seen),
+        _Apart(seen, _believing_nothing(seen.setting), robot, moves_of_inputs(seen.setting, seen.fitted)),
+    )
 
     def lengths_of(own: Sequence[int]) -> Iterable[int]:
         """Natural lengths of these bands, each once."""
@@ -68,13 +72,13 @@ def within(
     for number, log in enumerate(logs.logs):
         if len(logs.logs) > 1 and (number == 0 or len(logs.logs) > 2):
             between = (log.name, logs.logs[1].name if len(logs.logs) == 2 else "others")
-            parts = _between_samples(seen, robot, logs.log == number)
+            parts = apart.by_samples(logs.log == number)
             for place, own in members.items():
                 said = ("repetitions", bands[own[0]].group, between)
                 found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
         its_own = logs.log == number
         early = logs.time < 0.5 * (logs.time[its_own].min() + logs.time[its_own].max())
-        halves = _between_samples(seen, robot, its_own & early, its_own & ~early)
+        halves = apart.by_samples(its_own & early, its_own & ~early)
         for place, own in members.items():
             for length in lengths_of(own):
                 band = wear.layout.names[length].partition("[")[2].rstrip("]")
@@ -84,13 +88,13 @@ def within(
     for place, own in members.items():
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
-        parts = _between_samples(seen, robot, rate > 0.0)
+        parts = apart.by_samples(rate > 0.0)
         found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
         pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
         said = ("pulls", bands[own[0]].group, (HARD, SOFT))
         if np.any(pull > 0.0):
             hard = pull > np.median(pull[pull > 0.0])
-            found[place] += _between_samples(seen, robot, hard).springs(place, said, null)
+            found[place] += apart.by_samples(hard).springs(place, said, null)
     known = slice(len(sigma))
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
     slopes = seen.setting.nuisances.without(seen.fitted.A)
@@ -101,7 +105,7 @@ def within(
         said = ("misfit", bands[own[0]].group, (logs.names[joint], WITHOUT))
         found[place].append(CrossCheck(*said, most, doubt, Z95))  # beyond: an error that its interval does not hold
     if not wear.added:
-        alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
+        alone, k_of = apart.by_bands(bands), each_its_own(bands).stiffness
         for place, own in members.items():
             for one, other in combinations(own, 2):
                 said = ("sides", bands[one].group, (bands[one].name, bands[other].name))
@@ -115,30 +119,42 @@ def within(
     )
 
 
-def _between_samples(
-    seen: BandFit, robot: Mapping[str, Array], first: BoolArray, second: BoolArray | None = None
-) -> _Split:
-    """first, second: (N,) samples of two parts; where there is no second, the others are. What is in neither has
-    springs of its own.
+@final
+@dataclass(frozen=True)
+class _Apart:
+    """A fit whose springs are let differ. open: its setting, in which nothing is believed. moves: as of
+    `scores_of_inputs`, of the common fit: where its steps go they are the same."""
 
-    What logs without the device say is not split: each part is taken to err by all of it, independently.
-    """
-    fitted, setting = seen.fitted, _believing_nothing(seen.setting)
-    S = len(fitted.wear.springs)
-    springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
-    neither = ~first if second is None else ~(first | second)
-    parts = [first, neither] if second is None else [first, second, *([neither] if neither.any() else [])]
-    A = np.concatenate([*(springs * part[:, None, None] for part in parts), more], axis=2)
-    return _Split(replace(seen, setting=setting, null=None), _with_columns(setting, fitted, A), robot)
+    seen: BandFit
+    open: Setting
+    robot: Mapping[str, Array]
+    moves: Moves
 
+    def by_samples(self, first: BoolArray, second: BoolArray | None = None) -> _Split:
+        """first, second: (N,) samples of two parts; where there is no second, the others are. What is in neither has
+        springs of its own.
 
-def _between_bands(seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array]) -> _Split:
-    """Every band its own stiffness."""
-    wear, layout = seen.fitted.wear, each_its_own(bands)
-    own = replace(wear, layout=layout, springs=np.concatenate([wear.k, wear.l_0]))
-    setting = replace(seen.setting, belief=Belief(own.springs, np.zeros((len(own.springs), len(own.springs)))))
-    A = columns(setting.logs, setting.wires, own)
-    return _Split(replace(seen, setting=setting), _with_columns(setting, replace(seen.fitted, wear=own), A), robot)
+        What logs without the device say is not split: each part is taken to err by all of it, independently.
+        """
+        fitted = self.seen.fitted
+        S = len(fitted.wear.springs)
+        springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
+        neither = ~first if second is None else ~(first | second)
+        parts = [first, neither] if second is None else [first, second, *([neither] if neither.any() else [])]
+        A = np.concatenate([*(springs * part[:, None, None] for part in parts), more], axis=2)
+        return self._split(self.open, fitted, A, None)
+
+    def by_bands(self, bands: Sequence[Band]) -> _Split:
+        """Every band its own stiffness."""
+        wear, layout = self.seen.fitted.wear, each_its_own(bands)
+        own = replace(wear, layout=layout, springs=np.concatenate([wear.k, wear.l_0]))
+        belief = Belief(own.springs, np.zeros((len(own.springs), len(own.springs))))
+        A = columns(self.open.logs, self.open.wires, own)
+        return self._split(replace(self.open, belief=belief), replace(self.seen.fitted, wear=own), A, self.seen.null)
+
+    def _split(self, setting: Setting, fitted: Fitted, A: Array, null: Setting | None) -> _Split:
+        split = replace(fitted, A=A, hessian=setting.nuisances.information(A))
+        return _Split(replace(self.seen, setting=setting, null=null), split, self.robot, self.moves)
 
 
 @final
@@ -149,6 +165,7 @@ class _Split:
     seen: BandFit
     split: Fitted
     robot: Mapping[str, Array]
+    moves: Moves
 
     def springs(self, place: int, said: Said, beside: Array) -> Iterator[CrossCheck]:
         """One spring, split in two. beside: (P, P) what each part errs by besides."""
@@ -215,7 +232,7 @@ class _Split:
         step = np.linalg.lstsq(split.hessian * np.outer(size, size), size * score, rcond=1e-12)[0] * size
         explained = setting.nuisances.without(split.A @ step)
         let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
-        return step, contributions(setting, let_differ, self.robot, self.seen.null)
+        return step, contributions(setting, let_differ, self.robot, self.seen.null, self.moves)
 
 
 def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int, float]:
@@ -238,10 +255,6 @@ def _null_of_fit(seen: BandFit) -> Array:
 def _believing_nothing(setting: Setting) -> Setting:
     S = len(setting.belief.mean)
     return replace(setting, belief=Belief(setting.belief.mean, np.zeros((S, S))))
-
-
-def _with_columns(setting: Setting, fitted: Fitted, A: Array) -> Fitted:
-    return replace(fitted, A=A, hessian=setting.nuisances.information(A))
 
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:
