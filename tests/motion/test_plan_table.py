@@ -61,6 +61,7 @@ def test_a_file_that_breaks_a_bound_is_told_which(written, folder: Path, tmp_pat
     [
         (lambda c: {name: x for name, x in c.items() if name != "t"}, (0, "t")),
         (lambda c: {name.replace("q.", "angle."): x for name, x in c.items()}, (0, "q.")),
+        (lambda c: {name.replace("q.neck_yaw", "neck_yaw"): x for name, x in c.items()}, (0, "neck_yaw")),
         (lambda c: with_cell(c, "q.neck_yaw", 6, np.nan), (7, "q.neck_yaw")),
         (lambda c: with_cell(c, "t", 9, 0.0), (10, "t")),
         (lambda c: {name: x[:1] for name, x in c.items()}, (1, "t")),

@@ -10,7 +10,7 @@ import pytest
 
 from exogauge.errors import BadStudy, TooLarge
 from exogauge.studies.intake import bundle as module
-from exogauge.studies.intake.bundle import open_bundle
+from exogauge.studies.intake.bundle import Bundle, open_bundle
 
 
 def zipped(folder: Path, path: Path, prefix: str = "") -> Path:
@@ -63,6 +63,15 @@ def test_a_missing_file_is_named_with_a_neighbour(folder: Path) -> None:
 def test_a_folder_is_called_one_and_what_is_in_it_is_named(folder: Path) -> None:
     with pytest.raises(BadStudy, match=r"is a folder.*logs/id_1\.parquet"):
         open_bundle(folder).path("logs", named_in="study.yaml", row=5)
+
+
+def test_of_a_folder_of_meshes_what_may_be_meant_is_named_first(tmp_path: Path) -> None:
+    """«Did you mean README.md» for the folder of a URDF."""
+    (tmp_path / "arm").mkdir()
+    for name in ("README.md", *(f"link{n}.stl" for n in range(20)), "robot.yaml"):
+        (tmp_path / "arm" / name).touch()
+    with pytest.raises(BadStudy, match=r"Name a file in it\. Known here: arm/robot\.yaml, "):
+        Bundle(tmp_path, "study.yaml").path("arm")
 
 
 @pytest.mark.parametrize("name", ["../evil", "/evil", "a/../../evil", "a\\evil"])

@@ -116,6 +116,13 @@ def test_a_broken_robot_names_its_line(old: str, new: str, row: int, column: str
     assert any((f.row, f.column) == (row, column) and words in str(f) for f in found), found
 
 
+def test_a_urdf_is_called_one_and_told_what_names_it() -> None:
+    """«Mapping values are not allowed in this context», at its row 310."""
+    found = faults('<?xml version="1.0"?>\n<robot name="arm"/>', StudyFile)
+    assert [(each.rule, each.row) for each in found] == [("a_urdf", 1)]
+    assert "`exogauge robot` drafts one" in found[0].advice
+
+
 def test_every_fault_is_told_at_once() -> None:
     found = faults(STUDY.replace("robot:", "robots:").replace("1e1", "ten"), StudyFile)
     assert {f.column for f in found} == {"robot", "robots", "settings.cutoff_hz"}

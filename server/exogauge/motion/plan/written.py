@@ -126,6 +126,7 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
         raise BadMotion(Fault("no motion of this robot is in the file", "missing_column",
                               f"Columns t [s] and q.<joint>, as q.{robot.joints[0]}", path.name, 0,
                               "t" if "t" not in names else f"q.{robot.joints[0]}"))  # fmt: skip
+    _refuse_bare_names(robot, names, path.name)
     feet = _feet(robot, names, path.name)
     columns = table.read(["t", *(f"q.{name}" for name in known), *feet])
     for name, values in columns.items():
@@ -156,6 +157,14 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     held = tuple(name for name in robot.joints if name not in known)
     beside = tuple(name for name in names if name.startswith("q.") and name[2:] not in known)
     return Written(time - time[0], q, held, stands, beside)
+
+
+def _refuse_bare_names(robot: MotionRobot, names: Collection[str], file: str) -> None:
+    """A joint whose column lacks `q.` would stay at home, and what is judged be another motion."""
+    bare = next((name for name in robot.joints if name in names and f"q.{name}" not in names), None)
+    if bare is not None:
+        raise BadMotion(Fault("the column is named as a joint, without what it holds of it", "bare_name",
+                              f"Write q.{bare} for its position", file, 0, bare))  # fmt: skip
 
 
 def _refuse_degrees(robot: MotionRobot, q: Array, file: str) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from typing import final
 
 from exogauge.errors import BadStudy, Fault, TooLarge
-from exogauge.studies.intake.yaml_file import suggestion
+from exogauge.studies.intake.yaml_file import listed, suggestion
 
 MAX_MEMBERS = 2_000
 MAX_UNPACKED = 4_000_000_000
@@ -73,7 +73,8 @@ class Bundle:
         if not found.resolve().is_relative_to(self.root):
             raise refuse("a link leads out of the study's folder", "path_escapes", "Copy the file into the folder.")
         if found.is_dir():
-            advice = f"Name a file in it. {suggestion(name, self._names(pure))}".strip()
+            inside = sorted(self._names(pure), key=lambda each: not each.endswith((".yaml", ".yml")))
+            advice = f"Name a file in it. {listed(inside)}".strip()
             raise refuse("is a folder", "a_folder", advice)
         if not found.is_file():
             raise refuse("no such file", "missing_file", suggestion(name, self._names()))

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
-from exogauge.errors import BadRobot, Fault
+from exogauge.errors import BadRobot
 from exogauge.robots.description import EXACT, Declared, Joint, Robot, WrenchSensor
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -35,9 +35,6 @@ def read_robot(
 ) -> tuple[Robot, RobotFile, bytes]:
     """The robot, the file as written, and the URDF's bytes. named_in, row: where `name` is written."""
     data = bundle.read(name, limit=MAX_BYTES, named_in=named_in, column="robot", row=row)
-    if data.lstrip().startswith(b"<"):
-        advice = "Give a robot.yaml that names it: `exogauge motion robot` drafts one beside a URDF"
-        raise BadRobot(Fault("this is a URDF, or other XML, and no robot.yaml", "a_urdf", advice, name, 1))
     entry = load_yaml(data, RobotFile, file=name, error=BadRobot)
     page = YamlPage(name, data)
     _refuse_repeated(entry, page)

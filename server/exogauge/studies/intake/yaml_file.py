@@ -116,6 +116,11 @@ def suggestion(word: str, known: Sequence[str]) -> str:
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     if near:
         return f"Did you mean {near[0]!r}?"
+    return listed(known)
+
+
+def listed(known: Sequence[str]) -> str:
+    """The choices, the first of them where there are many."""
     shown = ", ".join(list(known)[:12]) + (", …" if len(known) > 12 else "")
     return f"Known here: {shown}." if known else ""
 
@@ -129,6 +134,10 @@ def _compose(data: bytes, file: str, error: type[BadInput]) -> yaml.Node:
     except UnicodeDecodeError as problem:
         line = data[: problem.start].count(b"\n") + 1
         raise error(Fault("the file is not UTF-8 text", "not_utf8", "Save it as UTF-8.", file, line)) from None
+    if text.lstrip().startswith("<"):
+        advice = "A study.yaml names a robot.yaml, which names the URDF. `exogauge robot` drafts one, for motions " \
+                 "`exogauge motion robot`."  # fmt: skip
+        raise error(Fault("this is a URDF, or other XML, and no YAML", "a_urdf", advice, file, 1))
     try:
         depth, nodes = 0, 0
         for event in yaml.parse(text, Loader=_Loader):
