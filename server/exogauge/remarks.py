@@ -87,6 +87,7 @@ class About(StrEnum):
     HALVES_DISAGREE = "halves_disagree"  # the parts; -; -; difference of natural length and its doubt [m]
     SPRINGS_MISFIT = "springs_misfit"  # the joint, -; -; what it may do to the stiffness and its stated doubt [N/m]
     STIFFNESS_OPEN = "stiffness_open"
+    ALONE_IN_GROUP = "alone_in_group"  # bands that are slack, or may be; -; their group
     ANOTHER_FIT = "another_fit"  # the band; -; -; its stiffness there [N/m]
     LENGTH_OPEN = "length_open"
 

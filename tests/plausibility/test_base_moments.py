@@ -9,7 +9,7 @@ import pytest
 from tests.discrepancy.test_partial_names import AXES, FEET, record, robot  # noqa: F401
 
 from exogauge.logs.model import Log
-from exogauge.plausibility.examine import examine_against_robot, examine_worn
+from exogauge.plausibility.examine import examine_against_robot, examine_one_by_one
 from exogauge.robots.description import Robot
 
 
@@ -48,11 +48,11 @@ def test_the_base_is_looked_at_in_single_logs_with_a_device_too(robot: Robot, lo
         replace(each, channels=each.channels | {"tau.arm": each.channels["tau.arm"] - 9.0 * each.channels["q.arm"]})
         for each in logs
     ]
-    assert list(examine_worn(robot, pulled)) == []
+    assert list(examine_one_by_one(robot, pulled)) == []
     feet = {f"ft.{foot}.{axis}" for foot in FEET for axis in AXES}
     late = {name: np.roll(values, 40) if name in feet else values for name, values in pulled[1].channels.items()}
     slipped = [exchanged(pulled[0]), replace(pulled[1], channels=late)]
-    found = [(log, each.channel, each.rule) for log, each in examine_worn(robot, slipped)]
+    found = [(log, each.channel, each.rule) for log, each in examine_one_by_one(robot, slipped)]
     assert found == [(logs[0].name, "ft.left", "wrenches_exchanged"), (logs[1].name, "ft.*", "wrench_clock")]
 
 
@@ -176,10 +176,10 @@ def test_feet_or_an_imu_of_another_clock_are_told_with_the_time_and_nothing_else
 def test_feet_that_are_late_show_in_slow_motions_of_bodies_that_are_off(robot: Robot, alike: bool) -> None:  # noqa: F811
     """What a delay leaves there is less than what bodies do that weigh a tenth more than described."""
     log = record(4, 0.0, 0.0, slower=4.0, alike=alike)
-    assert list(examine_worn(robot, [log])) == []
+    assert list(examine_one_by_one(robot, [log])) == []
     read = {name: np.roll(each, 40) if name.startswith("ft") else each for name, each in log.channels.items()}
     late = replace(log, time=log.time[40:-40], channels={name: each[40:-40] for name, each in read.items()})
-    ((_, found),) = examine_worn(robot, [late])
+    ((_, found),) = examine_one_by_one(robot, [late])
     assert (found.channel, found.rule) == ("ft.*", "wrench_clock")
     assert found.value == pytest.approx(0.2, abs=0.01)
 
@@ -202,7 +202,7 @@ def test_moments_that_are_told_about_the_joint_are_named_with_the_place(
 
     wrong = [told(each) for each in logs]
     expected = {(each.name, f"ft.{foot}", "wrench_point") for each in logs for foot in feet}
-    for found in (list(examine_against_robot(robot, wrong)), list(examine_worn(robot, wrong))):
+    for found in (list(examine_against_robot(robot, wrong)), list(examine_one_by_one(robot, wrong))):
         assert {(log, each.channel, each.rule) for log, each in found} == expected
         for _, each in found:
             assert f"the joint {each.channel.removeprefix('ft.')}_leg, [0.000, 0.000, 0.400] m" in each.detail
@@ -218,10 +218,10 @@ def test_what_is_noise_of_forces_does_not_say_where_a_foot_measures(robot: Robot
     forces = {f"ft.{foot}.f{axis}": log.channels[f"ft.{foot}.f{axis}"] for foot in FEET for axis in "xyz"}
     noisy = {name: each + 6.0 * rng.standard_normal(len(each)) for name, each in forces.items()}
     one = replace(log, channels=log.channels | noisy)
-    assert list(examine_worn(robot, [one])) == []
+    assert list(examine_one_by_one(robot, [one])) == []
     told = {
         "ft.left.mx": one.channels["ft.left.mx"] + 0.4 * noisy["ft.left.fy"],
         "ft.left.my": one.channels["ft.left.my"] - 0.4 * noisy["ft.left.fx"],
     }
-    found = [each for _, each in examine_worn(robot, [replace(one, channels=one.channels | told)])]
+    found = [each for _, each in examine_one_by_one(robot, [replace(one, channels=one.channels | told)])]
     assert [(each.channel, each.rule) for each in found] == [("ft.left", "wrench_point")]

@@ -11,7 +11,7 @@ from tests.fuzz.small_robots import JOINTS, simulate, simulated_logs, write_stud
 
 from exogauge.cli import main
 from exogauge.logs.model import Log
-from exogauge.plausibility.examine import examine_against_robot, examine_worn
+from exogauge.plausibility.examine import examine_against_robot, examine_one_by_one
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.robot_file import load_robot
 
@@ -65,12 +65,12 @@ def test_of_logs_with_a_device_a_wrong_sign_alone_is_named(
         course = each[f"q.{joint}"] - each[f"q.{joint}"].mean()
         pull = (-1.0) ** number * each[name].std() * course / course.std()
         pulled.append(each | {name: each[name] + pull})
-    assert list(examine_worn(robot, [as_log(k, each) for k, each in enumerate(pulled)])) == []
+    assert list(examine_one_by_one(robot, [as_log(k, each) for k, each in enumerate(pulled)])) == []
     turned = [as_log(k, each | {name: -each[name]} if k else each) for k, each in enumerate(pulled)]
-    found = {(log, each.channel, each.rule) for log, each in examine_worn(robot, turned)}
+    found = {(log, each.channel, each.rule) for log, each in examine_one_by_one(robot, turned)}
     assert found <= {(log.name, name, "effort_reversed") for log in turned[1:]}
     bare = [as_log(k, each | {name: -each[name]} if k else each) for k, each in enumerate(logs)]
-    found = {(log, each.channel, each.rule) for log, each in examine_worn(robot, bare)}
+    found = {(log, each.channel, each.rule) for log, each in examine_one_by_one(robot, bare)}
     assert found == {(log.name, name, "effort_reversed") for log in bare[1:]}
 
 

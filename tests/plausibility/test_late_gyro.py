@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from tests.plausibility.standing import RATE, record, standing
 
+from exogauge.criteria.examining import Comparing
+from exogauge.identification.settings import Recording
 from exogauge.logs.model import Log
-from exogauge.plausibility.examine import examine_against_robot, examine_worn
+from exogauge.plausibility.examine import examine_against_robot, examine_one_by_one, looked_at
+from exogauge.studies.results.examine_logs import examine_logs
 
 pytestmark = pytest.mark.slow
 
@@ -34,6 +37,23 @@ def test_an_imu_that_is_late_in_one_log_is_told_there_alone_with_the_time(millis
     assert [each.value for _, each in found] == pytest.approx([1e-3 * milliseconds] * len(found), abs=0.003)
 
 
+def test_of_many_logs_one_that_is_late_is_told_which_ever_it_is() -> None:
+    """Six are held together; the seventh of those without a device was looked at by nobody."""
+    logs = [late(record(seed), 0.0) for seed in range(1, 9)]
+    recordings = [Recording(log, held_out=number >= 2) for number, log in enumerate(logs)]
+    fitted = {each.log.name for each in recordings if not each.held_out}
+    together = looked_at(logs, fitted, Comparing().most_logs)
+    (place, *_) = (number for number, log in enumerate(logs) if log not in together)
+    recordings[place] = Recording(late(record(place + 1), 60.0), held_out=True)
+    found = examine_logs(standing(), recordings)
+    told = [(each["log"], each["channel"]) for each in found if each["rule"] == "imu_clock"]
+    assert told == [(logs[place].name, "acc")]
+    every = examine_logs(
+        standing(), [replace(each, log=late(record(k + 1), 60.0)) for k, each in enumerate(recordings)]
+    )
+    assert [each["log"] for each in every if each["rule"] == "imu_late"] == [each.name for each in logs]
+
+
 def test_one_that_is_late_in_all_logs_is_a_delay_that_an_effect_can_name() -> None:
     robot, logs = standing(), [late(record(seed), 60.0) for seed in SEEDS]
     told = [(log, each.rule) for log, each in examine_against_robot(robot, logs)]
@@ -44,7 +64,7 @@ def test_one_that_is_late_in_all_logs_is_a_delay_that_an_effect_can_name() -> No
 def test_with_a_device_on_it_is_of_another_clock_where_the_other_logs_are_not_as_late(
     others: float | None, rule: str
 ) -> None:
-    ((_, found),) = examine_worn(standing(), [late(record(4), 60.0)], imu_late_s=others)
+    ((_, found),) = examine_one_by_one(standing(), [late(record(4), 60.0)], imu_late_s=others)
     assert (found.channel, found.rule) == ("acc", rule)
     assert found.value == pytest.approx(0.06, abs=0.003)
 

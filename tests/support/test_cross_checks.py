@@ -165,6 +165,31 @@ def test_a_strap_that_slides_and_comes_back_leaves_more_than_its_springs_doubt_h
         assert band.note.about == About.SPRINGS_MISFIT
 
 
+@pytest.mark.slow
+def test_straps_that_slide_below_the_noise_are_told_by_the_lengths_of_both_bands_together(checked, suit, biped):
+    """A bend stretches both: which of them is longer on the way back the logs hardly tell, and well that both are."""
+    routing = Routing(biped.robot.tree, suit.bands)
+
+    def slid(number, evidence):
+        jacobian, a = routing.geometry(evidence.posture).jacobian, evidence.a.copy()
+        for k, band in enumerate(suit.bands):
+            stretch, out = np.maximum(evidence.length[:, k] - band.natural_length, 0.0), 0.0
+            less = np.empty_like(stretch)
+            for at, taut in enumerate(stretch):
+                out = 0.997 * max(out, taut - 0.6 * stretch.max())
+                less[at] = band.stiffness * min(taut, out)
+            a += jacobian[:, k] * less[:, None]
+        return replace(evidence, a=a)
+
+    found = checked([suit] * 6, noise=1.0, change=slid, sigma=np.ones(2))
+    lengths = [each for each in found.cross_checks if (each.check, each.unit) == ("strokes", "m")]
+    assert [each.agrees for each in lengths] == [True, True, False]
+    assert failed(found) == {"strokes"}
+    for band in found.bands:
+        assert band.note.about == About.LENGTHS_DISAGREE
+        assert not band.identifiable
+
+
 def test_springs_that_are_right_to_a_per_cent_need_not_explain_the_last_of_it(checked, suit):
     """Where nothing else disturbs them, their doubt is far smaller than what a hundredth of the torque may do."""
 

@@ -226,20 +226,25 @@ def test_what_only_pushes_is_no_band_and_leaves_nothing_to_doubt(identified, app
         assert estimate.note
 
 
-def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_and_no_length(identified, suit):
+def test_a_slack_band_beside_a_taut_one_of_its_group_decides_nothing_of_either(identified, suit):
+    """Its number is the group's; but a band that is described elsewhere than it runs pulls through its twin."""
     loose = replace(suit, bands=(suit.bands[0], replace(suit.bands[1], natural_length=2.0)))
     found = identified(device=loose)
     left, right = found.bands
     assert right.stiffness.value == left.stiffness.value == pytest.approx(1500.0, rel=1e-4)
-    assert right.identifiable
+    assert (left.identifiable, right.identifiable) == (False, False)
     assert np.isinf(right.natural_length.std)
     assert np.isnan(right.natural_length.value)
     low, high = right.natural_length_interval
     assert right.longest - 0.03 < low < right.longest, "as stiff as its twin, it would be seen if it began to pull"
     assert np.isinf(high)
     assert not right.length_identifiable
+    assert left.note == right.note == Remark(About.ALONE_IN_GROUP, ("right",), beside=("back",))
+    assert left.length_identifiable
+    apart = replace(loose, bands=(loose.bands[0], replace(loose.bands[1], group="other")))
+    left, right = identified(device=apart).bands
+    assert left.identifiable
     assert right.note == Remark(About.PULLS_NOWHERE, ("right",))
-    assert not left.note
     known, open_ = (entry["budget"] for entry in stiffness_entries([found]))
     assert known
     assert all(part["natural_length_std"] >= 0.0 for part in known)

@@ -65,7 +65,7 @@ def examine_against_robot(
     for log in logs:
         for finding in half_measured(robot, log):
             yield log.name, finding
-    chosen = _looked_at(logs, fitted, criteria.most_logs)
+    chosen = looked_at(logs, fitted, criteria.most_logs)
     seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
     seen = yield from _of_the_base(robot, logs, seen)
     if not any(joint.actuation != "none" for joint in robot.joints):
@@ -167,8 +167,8 @@ def _signs_and_zeros(robot: Robot, expected: Sequence[Expected]) -> Iterator[Fin
         yield as_zero(robot, zero)
 
 
-def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[Log]:
-    """As many, spread over the fitted ones and then over the others, in their order."""
+def looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[Log]:
+    """As many, spread over the fitted ones and then over the others, in their order: those that are held together."""
     chosen = list[int]()
     for own in (True, False):
         places = [k for k, log in enumerate(logs) if (log.name in fitted) is own]
@@ -177,12 +177,12 @@ def _looked_at(logs: Sequence[Log], fitted: Collection[str], most: int) -> list[
     return [logs[k] for k in sorted(chosen)]
 
 
-def examine_worn(
+def examine_one_by_one(
     robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None, imu_late_s: float | None = None
 ) -> Iterator[tuple[str, Finding]]:
-    """(name of the log, finding) of logs with a device on: what feet and IMU tell of the base, in whose balance no band
-    and no motor is. What a joint bears is a device's too: no more is told of it than a sign. imu_late_s: by which the
-    IMU is late in all other logs."""
+    """(name of the log, finding) of logs with a device on, and of those beyond the ones that are held together: what
+    feet and IMU tell of the base, in whose balance no band and no motor is. What a joint bears may be a device's too:
+    no more is told of it than a sign. imu_late_s: by which the IMU is late in all other logs."""
     criteria = criteria or Comparing()
     for log, seen in zip(logs, side_by_side(partial(take, robot, criteria=criteria), logs), strict=True):
         yield from ((log.name, finding) for finding in half_measured(robot, log))

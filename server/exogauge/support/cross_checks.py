@@ -7,7 +7,7 @@ doubts of the fit go through the same split columns, so that what both parts sha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -22,7 +22,7 @@ from exogauge.criteria.supporting import Supporting
 from exogauge.devices.device import Band
 from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
 from exogauge.remarks import About, Remark
-from exogauge.support.band_doubt import contributions
+from exogauge.support.band_doubt import contributions, inverted
 from exogauge.support.band_fit import BandFit
 from exogauge.support.band_inputs import Moves, moves_of_inputs
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
@@ -51,11 +51,11 @@ def within(
     seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], criteria: Supporting, sigma: Array, std: Array
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, natural lengths in its first half against those in its second,
-    bands that lengthen against the same that shorten (both by their lengths too, with one stiffness for both), their
-    harder half of pulls against the softer, bands of a group against each other, what they leave against what there is
-    without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it
-    is not known, and what is left on them is not held against it. std: (W,) stated of each band. What the motions
-    cannot tell apart is not compared."""
+    bands that lengthen against the same that shorten (both by their lengths too, each and all together, with one
+    stiffness for both), their harder half of pulls against the softer, bands of a group against each other, what they
+    leave against what there is without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of
+    the fit: of further ones it is not known, and what is left on them is not held against it. std: (W,) stated of each
+    band. What the motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
@@ -65,9 +65,9 @@ def within(
         _Apart(seen, _believing_nothing(seen.setting), robot, moves_of_inputs(seen.setting, seen.fitted)),
     )
 
-    def lengths_of(own: Sequence[int]) -> Iterable[int]:
+    def lengths_of(own: Sequence[int]) -> list[int]:
         """Natural lengths of these bands, each once."""
-        return dict.fromkeys(wear.layout.natural_length[own].tolist())
+        return list(dict.fromkeys(wear.layout.natural_length[own].tolist()))
 
     for number, log in enumerate(logs.logs):
         if len(logs.logs) > 1 and (number == 0 or len(logs.logs) > 2):
@@ -83,8 +83,7 @@ def within(
             for length in lengths_of(own):
                 band = wear.layout.names[length].partition("[")[2].rstrip("]")
                 between = (f"{band}, first half of {log.name}", "second half")
-                lengths = halves.springs(length, ("halves", bands[own[0]].group, between), null)
-                found[place] += [replace(each, unit="m") for each in lengths]
+                found[place] += halves.moved_alike([length], ("halves", bands[own[0]].group, between), null)
     for place, own in members.items():
         rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
@@ -173,24 +172,32 @@ class _Split:
         doubt = float(np.sqrt(2.0 * beside[place, place])) if self._in_both(place) else 0.0
         return self.values(place, other, said, doubt)
 
-    def lengths(self, stiffness: int, places: Iterable[int], said: Said, beside: Array) -> Iterator[CrossCheck]:
-        """Natural lengths, split in two, where the stiffness is one: δ_l - (C_lk / C_kk) δ_k. A band that is taut all
-        along may pull more in one part than in the other, and hardly tells whether it is stiffer or shorter there."""
-        S = len(self.split.wear.springs)
+    def lengths(self, stiffness: int, places: Sequence[int], said: Said, beside: Array) -> Iterator[CrossCheck]:
+        """Natural lengths, split in two, where the stiffness is one. A band that is taut all along may pull more in one
+        part than in the other, and hardly tells whether it is stiffer or shorter there; and bands that pull at the same
+        joints hardly tell which of them is longer, and well that they are together."""
+        for chosen in (*([place] for place in places), *([places] if len(places) > 1 else [])):
+            yield from self.moved_alike(chosen, said, beside, stiffness)
+
+    def moved_alike(
+        self, lengths: Sequence[int], said: Said, beside: Array, stiffness: int | None = None
+    ) -> Iterator[CrossCheck]:
+        """The likeliest m [m], if every length differs by m and the stiffness by nothing: 1ᵀ C⁻¹ δ / 1ᵀ C⁻¹ 1."""
         step, shares = self._step
-        for place in places:
-            chosen = np.array([place, stiffness])
-            contrast = np.zeros((len(step), 2))
-            contrast[chosen, [0, 1]], contrast[chosen + S, [0, 1]] = 1.0, -1.0
-            if not all(self._told(contrast[:, k], [int(chosen[k]), int(chosen[k]) + S]) for k in (0, 1)):
-                continue
-            C = sum((contrast.T @ each @ contrast for each in shares.values()), np.zeros((2, 2)))
-            if all(self._in_both(each) for each in chosen):
-                C = C + 2.0 * beside[np.ix_(chosen, chosen)]
-            if C[1, 1] > 0.0:
-                own, slope = contrast.T @ step, C[0, 1] / C[1, 1]
-                variance = max(float(C[0, 0] - slope * C[0, 1]), 0.0)
-                yield CrossCheck(*said, float(own[0] - slope * own[1]), float(np.sqrt(variance)), unit="m")
+        chosen = np.array([*lengths, *(() if stiffness is None else (stiffness,))])
+        each, S = np.arange(len(chosen)), len(self.split.wear.springs)
+        contrast = np.zeros((len(step), len(chosen)))
+        contrast[chosen, each], contrast[chosen + S, each] = 1.0, -1.0
+        if not all(self._told(contrast[:, k], [int(chosen[k]), int(chosen[k]) + S]) for k in each):
+            return
+        C = sum((contrast.T @ share @ contrast for share in shares.values()), np.zeros((len(chosen), len(chosen))))
+        if all(self._in_both(int(place)) for place in chosen):
+            C = C + 2.0 * beside[np.ix_(chosen, chosen)]
+        if np.all(np.diag(C) > 0.0):
+            weighed = inverted(C) @ (each < len(lengths))
+            told = float(np.sum(weighed[: len(lengths)]))
+            if told > 0.0:
+                yield CrossCheck(*said, float(weighed @ contrast.T @ step) / told, told**-0.5, unit="m")
 
     def _in_both(self, place: int) -> bool:
         """Both parts hold something of a spring."""

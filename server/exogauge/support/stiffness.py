@@ -86,6 +86,14 @@ class Springs:
         stretch = self.seen.setting.wires[k].longest - self.seen.fitted.wear.spring(k)[1]
         return self._profiles.of_band(k, max(stretch, 0.0))
 
+    def slack_beside(self, k: int) -> tuple[str, ...]:
+        """Bands of its group that pull nowhere, or may, while others do: these may pull for them, too, where a band
+        does not run as it is described."""
+        layout = self.seen.fitted.wear.layout
+        group = np.flatnonzero(layout.stiffness == layout.stiffness[k])
+        slack = [int(each) for each in group if not np.isfinite(self.intervals(int(each))[1][1])]
+        return tuple(self.bands[each].name for each in slack) if len(slack) < len(group) else ()
+
     def other_stiffness(self, k: int, known: float) -> float | None:
         """[N/m] of another fit that the logs contradict no more, furthest from this one; None where it is less off than
         what counts as known. Of several bands one may pull for all, however sharp its fit."""
@@ -346,6 +354,7 @@ def _estimate(
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
     l_known = length.std <= known * stretch and np.isfinite(l_interval[1]) and not edge
     other = springs.other_stiffness(k, known) if k_known or l_known else None
+    slack = springs.slack_beside(k) if k_known else ()
     return BandEstimate(
         band=band.name,
         group=band.group,
@@ -355,11 +364,13 @@ def _estimate(
         natural_length_interval=l_interval,
         true_stiffness=truth,
         error_percent=None if truth is None or names[0] in blind else 100.0 * (value - truth) / truth,
-        identifiable=bool(k_known and other is None),
+        identifiable=bool(k_known and other is None and not slack),
         length_identifiable=bool(l_known and other is None),
-        note=_note(band, pulls, names, blind, edge, k_known, l_known)
-        if other is None
-        else Remark(About.ANOTHER_FIT, (band.name,), numbers=(other,)),
+        note=Remark(About.ANOTHER_FIT, (band.name,), numbers=(other,))
+        if other is not None
+        else Remark(About.ALONE_IN_GROUP, slack, beside=(band.group,))
+        if slack
+        else _note(band, pulls, names, blind, edge, k_known, l_known),
         with_effects=with_effects,
         longest=wire.longest,
     )

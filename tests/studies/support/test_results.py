@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.devices.result import CrossCheck, Estimate, StiffnessResult
 from exogauge.identification.result import Identification
 from exogauge.robots.description import Declared
 from exogauge.studies.evaluate import write
@@ -21,6 +21,7 @@ from exogauge.studies.intake.open import open_study
 from exogauge.studies.results.document import Evaluation, to_json
 from exogauge.studies.results.plain_values import finite
 from exogauge.studies.results.support_results import (
+    cross_checks,
     doubted,
     main_joints,
     stiffness_details,
@@ -280,3 +281,18 @@ def test_what_is_not_decided_has_no_headline_and_no_end_to_its_doubt(support: Su
     assert {ends for each in told[:4] for ends in each["peak"]["interval_95"]} <= {None}
     assert {part["best"] for part in found["phases"]} == {None}
     assert found["approaches"]["band_model"] == before["approaches"]["band_model"]
+
+
+def test_of_checks_of_the_same_parts_each_unit_stands_once_by_the_worst(stiffness: tuple[StiffnessResult, ...]) -> None:
+    """What fails by natural lengths stood behind a stiffness that agrees."""
+    parts = "strokes", stiffness[0].bands[0].group, ("lengthening", "shortening")
+    checks = (
+        CrossCheck(*parts, -60.0, 40.0, 3.9),
+        CrossCheck(*parts, -0.004, 0.002, 3.9, "m"),
+        CrossCheck(*parts, -0.006, 0.001, 3.9, "m"),
+    )
+    found = cross_checks([dataclasses.replace(stiffness[0], cross_checks=checks)])
+    assert [(each["unit"], each["difference"], each["agrees"]) for each in found] == [
+        ("N/m", -60.0, True),
+        ("m", -0.006, False),
+    ]

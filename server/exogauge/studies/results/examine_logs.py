@@ -25,7 +25,7 @@ from exogauge.logs.doctor import Finding, examine
 from exogauge.logs.findings import kind_of
 from exogauge.logs.shared_samples import shared_samples
 from exogauge.logs.signal_rules import SLOWLY_SAMPLED
-from exogauge.plausibility.examine import examine_against_robot, examine_worn
+from exogauge.plausibility.examine import examine_against_robot, examine_one_by_one, looked_at
 from exogauge.plausibility.told_as import (
     EFFORT_DELAY,
     IMU_CLOCK,
@@ -70,12 +70,16 @@ def examine_logs(
     fitted = {each.log.name for each in recordings if not each.held_out}
     against = list(examine_against_robot(robot, trusted, criteria.comparison, fitted))
     slipped = any(each.severity == "error" and kind_of(each.channel) in OF_THE_BASE for _, each in against)
-    looked_at = [] if slipped or mapped else [each.log for each in worn if each.log.name not in doubtful]
+    together = {log.name for log in looked_at(trusted, fitted, criteria.comparison.most_logs)}
+    others = [*(log for log in trusted if log.name not in together), *(each.log for each in worn)]
+    others = [] if slipped or mapped else [log for log in others if log.name not in doubtful]
     imu_late_s = next((each.value for _, each in against if each.rule == IMU_LATE), None)
-    of_worn = examine_worn(robot, looked_at, criteria.comparison, imu_late_s)  # a slip of all logs is told once
+    told = {(log, each.rule, each.channel) for log, each in against}  # a slip of all logs is told once
+    each_alone = examine_one_by_one(robot, others, criteria.comparison, imu_late_s)
+    one_by_one = [(log, each) for log, each in each_alone if (log, each.rule, each.channel) not in told]
     held_out = [*(each.held_out for each in recordings), *(True for _ in worn)]
     shared = shared_samples(logs, held_out, criteria.doctor)
-    return [_entry(log, finding) for log, finding in (*shared, *against, *of_worn, *alone)]
+    return [_entry(log, finding) for log, finding in (*shared, *against, *one_by_one, *alone)]
 
 
 @final

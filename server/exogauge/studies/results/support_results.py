@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from exogauge.criteria.criterion import Z95
-from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.devices.result import CrossCheck, Estimate, StiffnessResult
 from exogauge.findings.result import Consequence
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.words.doubt_words import source_advice, source_words
@@ -248,30 +248,31 @@ def headline_approach(found: Sequence[StiffnessResult], device: str, group: str)
 
 
 def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
-    """`cross_checks[]`: one entry per device, approach and pair of parts; two approaches stand once."""
-    seen, entries = set[tuple[object, ...]](), list[dict[str, Any]]()
+    """`cross_checks[]`: one entry per device, approach, pair of parts and unit, the worst of several lengths; two
+    approaches stand once."""
+    worst = dict[tuple[object, ...], tuple[str, CrossCheck]]()
     for each in found:
         for one in each.cross_checks:
             approach = "" if one.check == "approaches" else each.approach
-            key = (each.device, one.check, one.group, frozenset(one.between), approach)
-            if key not in seen:
-                seen.add(key)
-                entries.append(
-                    {
-                        "device": each.device,
-                        "approach": each.approach,
-                        "check": one.check,
-                        "group": one.group,
-                        "between": list(one.between),
-                        "difference": one.difference,
-                        "std": one.std,
-                        "unit": one.unit,
-                        "z": one.z,
-                        "limit": one.limit,
-                        "agrees": bool(one.agrees),
-                    }
-                )
-    return entries
+            key = (each.device, one.check, one.group, frozenset(one.between), one.unit, approach)
+            if key not in worst or abs(one.z) > abs(worst[key][1].z):
+                worst[key] = each.approach, one
+    return [
+        {
+            "device": key[0],
+            "approach": approach,
+            "check": one.check,
+            "group": one.group,
+            "between": list(one.between),
+            "difference": one.difference,
+            "std": one.std,
+            "unit": one.unit,
+            "z": one.z,
+            "limit": one.limit,
+            "agrees": bool(one.agrees),
+        }
+        for key, (approach, one) in worst.items()
+    ]
 
 
 def stiffness_details(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:

@@ -315,6 +315,12 @@ FORMS: Mapping[About, Form] = {
     About.STIFFNESS_OPEN: Form(
         "The doubt is more than half of the value: a motion that stretches this band further would decide."
     ),
+    About.ALONE_IN_GROUP: Form(
+        "{names} pulls nowhere, or may, and has its stiffness from others of group {beside} alone: they may pull for "
+        "it, if it does not run as stated. Look at its via points and links; a band that is worn slack needs a group "
+        "of its own.",
+        joined=" and ",
+    ),
     About.ANOTHER_FIT: Form(
         "The logs contradict another fit no more, in which {names} has {0:.3g} N/m: one band may pull for two, or come "
         "taut elsewhere. A motion that stretches the bands of the group unlike would decide."

@@ -34,7 +34,7 @@ export function CrossChecks({ device, checks }: { device: string; checks: Stiffn
         {[...checks]
           .sort((one, other) => Number(one.agrees) - Number(other.agrees) || worst(other) - worst(one))
           .map((each) => (
-            <Table.Tr key={`${each.group} ${each.check} ${each.approach} ${each.between.join(" ")}`} data-agrees={each.agrees}>
+            <Table.Tr key={`${each.group} ${each.check} ${each.approach} ${each.between.join(" ")} ${each.unit}`} data-agrees={each.agrees}>
               <Table.Th scope="row">{each.group}</Table.Th>
               <Table.Td>{CHECK[each.check]}</Table.Td>
               <Table.Td>{each.between.join(" – ")}</Table.Td>
