@@ -60,10 +60,8 @@ def within(
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
     found: dict[int, list[CrossCheck]] = {place: [] for place in members}
-    null, apart = (
-        _null_of_fit(seen),
-        _Apart(seen, _believing_nothing(seen.setting), robot, moves_of_inputs(seen.setting, seen.fitted)),
-    )
+    null, moves = _null_of_fit(seen), moves_of_inputs(seen.setting, seen.fitted)
+    apart = _Apart(seen, _believing_nothing(seen.setting), robot, moves)
 
     def lengths_of(own: Sequence[int]) -> list[int]:
         """Natural lengths of these bands, each once."""
