@@ -51,7 +51,8 @@ class Between:
     def sums(self, weight: Array, spans: Sequence[slice]) -> Array:
         """(m, L, D) sums of w V over the samples of each of L spans. weight: (N, D)."""
         of_each = [np.asarray(self.shares[:, span] @ weight[span]) for span in spans]
-        return np.einsum("ldk,dkm->mld", np.stack(of_each).swapaxes(1, 2), self.values.swapaxes(0, 1), optimize=True)
+        told, values = np.stack(of_each).swapaxes(1, 2), self.values.swapaxes(0, 1)
+        return np.asarray(np.einsum("ldk,dkm->mld", told, values, optimize=True))
 
     def at(self, chosen: IntArray) -> Between:
         """The same for some of the N."""
