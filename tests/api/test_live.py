@@ -80,7 +80,10 @@ def rows(folder: Path) -> Array:
 
 def opened(service: Service, payload: str, query: str = "") -> ClientConnection:
     address = service.url.replace("http", "ws", 1)
-    return connect(f"{address}/api/v1/live/payload/{payload}{query}", open_timeout=30, max_size=None, compression=None)
+    return connect(
+        f"{address}/api/v1/live/payload/{payload}{query}", open_timeout=30, max_size=None, compression=None,
+        ping_interval=None,
+    )  # fmt: skip
 
 
 def begun(service: Service, payload: str, query: str = "") -> tuple[ClientConnection, str, dict[str, Any]]:
@@ -380,6 +383,22 @@ def test_a_process_that_is_killed_loses_nothing_that_was_written(
     table = pq.read_table(log)
     assert np.array_equal(table["seq"].to_numpy(), np.arange(1000))
     assert np.array_equal(table["fx"].to_numpy(), rows[:1000, 7])
+
+
+def test_a_ping_that_finds_the_line_broken_is_no_traceback(client: Client, payload: str, monkeypatch, caplog) -> None:
+    """`keepalive ping failed`, with its trace, on standard error of whatever the process did next."""
+
+    def broken(**_: object) -> None:
+        raise BrokenPipeError
+
+    with client.live(payload) as stream:
+        line = stream._line
+        assert line is not None
+        monkeypatch.setattr(line, "ping", broken)
+        monkeypatch.setattr(line, "ping_interval", 0.0)
+        line.keepalive()
+        stream.end()
+    assert "ping" not in caplog.text
 
 
 @pytest.mark.parametrize("attempt", range(3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import struct
 import time
 from collections import deque
@@ -24,6 +25,9 @@ ATTEMPTS = 6  # in 15 s: as long as the service may take a broken line for one t
 FIRST_PAUSE_S = 0.5
 KEPT, AGAIN = 2000, 500  # samples that are sent again if the service lost them, so many at once
 LARGEST = 1 << 22  # bytes of an answer
+
+_LINE = logging.getLogger("exogauge.client.line")
+_LINE.setLevel(logging.CRITICAL)  # a broken line is taken up again, or told; a ping that met it first is no error
 
 
 @final
@@ -112,7 +116,7 @@ class LiveStream:
             try:
                 self._line = connect(
                     address, open_timeout=self._timeout, max_size=LARGEST, compression=None, max_queue=None,
-                    additional_headers=self._headers,
+                    additional_headers=self._headers, logger=_LINE,
                 )  # fmt: skip
                 break
             except InvalidStatus as error:
