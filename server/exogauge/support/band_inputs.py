@@ -34,13 +34,6 @@ class Moves:
     torque: Array
 
 
-def moves_of_inputs(setting: Setting, fitted: Fitted) -> Moves:
-    few = BandInputs(setting, fitted)
-    moves = list(few.torques())
-    torque = np.stack([each.ravel() for _, each in moves], axis=1) if moves else np.zeros((few.weight.size, 0))
-    return Moves(tuple(name for name, _ in moves), torque)
-
-
 def scores_of_inputs(setting: Setting, fitted: Fitted, moves: Moves | None = None) -> dict[str, Array]:
     """Name -> (P, n) Σ Aᵀ w δτ per standard deviation of each of its n independent inputs. δτ: torque that the input
     adds to what the fit explains. moves: where they are known of these springs, whatever columns they have.
@@ -48,9 +41,9 @@ def scores_of_inputs(setting: Setting, fitted: Fitted, moves: Moves | None = Non
     Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
     log alone.
     """
-    moves = moves or moves_of_inputs(setting, fitted)
-    weighted, P = BandInputs(setting, fitted).weighted, fitted.A.shape[2]
-    scores = weighted.reshape(-1, P).T @ moves.torque
+    few = BandInputs(setting, fitted)
+    moves = few.moves() if moves is None else moves
+    scores = few.weighted.reshape(-1, fitted.A.shape[2]).T @ moves.torque
     of = np.array(moves.of)
     return {name: np.asarray(scores[:, of == name]) for name in (VIA_POINTS, DONNING) if name in moves.of}
 
@@ -96,6 +89,11 @@ class BandInputs:
     def torques(self) -> Iterator[tuple[str, Array]]:
         """(n, D) [N·m] that one standard deviation of each input adds, and whose it is."""
         yield from ((name, torque) for name, _, torque in self._of_each_band())
+
+    def moves(self) -> Moves:
+        found = list(self.torques())
+        torque = np.stack([each.ravel() for _, each in found], axis=1) if found else np.zeros((self.weight.size, 0))
+        return Moves(tuple(name for name, _ in found), torque)
 
     def beside_lengths(self) -> Iterator[Array]:
         """(n, D) the same, less what the band's own natural length would do."""

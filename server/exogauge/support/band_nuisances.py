@@ -94,17 +94,16 @@ class Nuisances:
     def doubted(self) -> bool:
         return bool(self.logs.zero_std.any())
 
-    def likeliest_offsets(self, e: Array) -> Array:
-        """(L, D) [N·m] γ mean(e)."""
-        return self.shares * self._means(e)
-
     def without(self, X: Array) -> Array:
         """(N, D, …) X⊥: what of errors or slopes is left beside all of this."""
-        return self._apart(X)[0]
+        return self.apart(X)[0]
 
     def whitened(self, X: Array) -> Array:
         """(N, D, …) X - c mean(X), c = 1 - √(1 - γ): its weighted squares are the information that offsets leave."""
-        return self._less(X, self.shares / (1.0 + np.sqrt(1.0 - self.shares))) if self.doubted else X
+        if not self.doubted:
+            return X
+        sums = self._by_log(_beside(self.weight, X) * X)
+        return self._less_in_each(X, self._likeliest(sums) / _beside(1.0 + np.sqrt(1.0 - self.shares), X))
 
     def information(self, A: Array) -> Array:
         """(P, P) Aᵀ w A⊥ = Aᵀ w A - Σ γ/W SᵀS - Tᵀ (1 + Vᵀ w V°)⁻¹ T, S sums of w A by log and joint, T = Vᵀ w A°."""
@@ -112,7 +111,7 @@ class Nuisances:
         sums = self._by_log(weighed)
         H = weighed.reshape(-1, P).T @ A.reshape(-1, P)
         if self.doubted:
-            H -= (_beside(self._of_sums, sums) * sums).reshape(-1, P).T @ sums.reshape(-1, P)
+            H -= self._likeliest(sums).reshape(-1, P).T @ sums.reshape(-1, P)
         if self.added is not None:
             told = self._told_of_added(self.added, weighed, sums)
             H -= told.T @ self._doubt_of_added @ told
@@ -120,7 +119,7 @@ class Nuisances:
 
     def beside(self, e: Array) -> tuple[Array, float]:
         """(N, D) what of errors is left beside the likeliest of all of this, and what it costs: Σ (o / s)² + Σ v²."""
-        left, v, found = self._apart(e)
+        left, v, found = self.apart(e)
         std = self.logs.zero_std
         paid = np.divide(found, std, out=np.zeros_like(std), where=std > 0.0)
         return left, float(v @ v + np.sum(paid**2))
@@ -130,7 +129,7 @@ class Nuisances:
         moved = (self._by_log(told) * self.logs.zero_std[:, :, None]).reshape(-1, told.shape[2])
         return np.asarray(moved.T @ moved)
 
-    def _apart(self, X: Array) -> tuple[Array, Array, Array]:
+    def apart(self, X: Array) -> tuple[Array, Array, Array]:
         """(N, D, …) X⊥, (m, …) v(X), and (L, D, …) the likeliest offsets of what is left beside V v."""
         if not self.doubted and self.added is None:
             return X, np.zeros((0, *X.shape[2:])), np.zeros((*self.total.shape, *X.shape[2:]))
@@ -140,19 +139,21 @@ class Nuisances:
         if self.added is not None:
             v = self._doubt_of_added @ self._told_of_added(self.added, weighed, sums)
             X, sums = X - self.added.times(v), sums - np.tensordot(self._sums_of_added, v, axes=(0, 0))
-        found = _beside(self._of_sums, sums) * sums
+        found = self._likeliest(sums)
         return (self._less_in_each(X, found) if self.doubted else X), v, found
 
     def _told_of_added(self, added: Between, weighed: Array, sums: Array) -> Array:
         """(m, …) V°ᵀ w X = Vᵀ w X°. weighed: (N, D, …) w X; sums: (L, D, …) of it."""
         told = added.against(weighed)
-        if not self.doubted:
-            return told
-        return np.asarray(told - np.tensordot(self._sums_of_added, _beside(self._of_sums, sums) * sums, axes=2))
+        return np.asarray(told - np.tensordot(self._sums_of_added, self._likeliest(sums), axes=2))
+
+    def _likeliest(self, sums: Array) -> Array:
+        """(L, D, …) γ mean(X), of (L, D, …) sums of w X."""
+        return _beside(self._of_sums, sums) * sums
 
     @cached_property
     def _of_sums(self) -> Array:
-        """(L, D) γ / W: the likeliest offset, of a sum of weighted errors."""
+        """(L, D) γ / W"""
         return np.asarray(self.shares / np.where(self.total > 0.0, self.total, 1.0))
 
     @cached_property
@@ -170,18 +171,9 @@ class Nuisances:
         for first in range(0, m, together):
             own = self.added.times(np.eye(m)[:, first : first + together])
             known[:, first : first + together] = self.added.against(self.weight[:, :, None] * own)
-        if self.doubted:
-            sums = self._sums_of_added
-            known -= (sums * self._of_sums).reshape(m, -1) @ sums.reshape(m, -1).T
+        sums = self._sums_of_added
+        known -= (sums * self._of_sums).reshape(m, -1) @ sums.reshape(m, -1).T
         return np.asarray(np.linalg.inv(np.eye(m) + 0.5 * (known + known.T)), dtype=np.float64)
-
-    def _less(self, X: Array, share: Array) -> Array:
-        return self._less_in_each(X, _beside(share, X) * self._means(X))
-
-    def _means(self, X: Array) -> Array:
-        """(L, D, …)"""
-        total = _beside(self.total, X)
-        return np.asarray(self._by_log(_beside(self.weight, X) * X) / np.where(total > 0.0, total, 1.0))
 
     def _by_log(self, X: Array) -> Array:
         """(L, D, …) sums."""

@@ -24,7 +24,7 @@ from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions, inverted
 from exogauge.support.band_fit import BandFit
-from exogauge.support.band_inputs import Moves, moves_of_inputs
+from exogauge.support.band_inputs import BandInputs, Moves
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
 from exogauge.support.band_weights import rms
 
@@ -60,7 +60,7 @@ def within(
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
     found: dict[int, list[CrossCheck]] = {place: [] for place in members}
-    null, moves = _null_of_fit(seen), moves_of_inputs(seen.setting, seen.fitted)
+    null, moves = _null_of_fit(seen), BandInputs(seen.setting, seen.fitted).moves()
     apart = _Apart(seen, _believing_nothing(seen.setting), robot, moves)
 
     def lengths_of(own: Sequence[int]) -> list[int]:
