@@ -27,7 +27,7 @@ def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weigh
         for joint, own in enumerate(c):
             spectrum = (2.0 * rfft(own, length).real - own[0]) * both_ways
             for part in (waves[:, joint].real, waves[:, joint].imag):
-                total += part.T @ (spectrum[:, None] * part)
+                total += np.dot(part.T, spectrum[:, None] * part)
     return 0.5 * (total + total.T)
 
 
