@@ -61,7 +61,7 @@ def contributions(
     if setting.logs.zero_std.any():
         found[TORQUE_ZERO] = setting.nuisances.score_of_offsets(weighted)
     if null is not None:
-        n = _null_score(null, fitted)
+        n = null_score(null, columns(null.logs, null.wires, fitted.wear))
         found[NULL_TEST] = np.outer(n, n)
     found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted, moves).items()}
     inverse = inverted(fitted.hessian)
@@ -138,7 +138,8 @@ def _through(g: NDArray[np.float32], slope: NDArray[np.float32]) -> Array:
     return np.asarray((g.T @ slope.reshape(len(g), -1)).astype(np.float64))
 
 
-def _null_score(null: Setting, fitted: Fitted) -> Array:
-    """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
-    A, weight = columns(null.logs, null.wires, fitted.wear), null.logs.share[:, None] * null.weight
+def null_score(null: Setting, A: Array) -> Array:
+    """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it. A: (N, D, P)
+    there."""
+    weight = null.logs.share[:, None] * null.weight
     return np.asarray(np.einsum("ndp,nd,nd->p", A, weight, null.nuisances.without(null.logs.torque)))
