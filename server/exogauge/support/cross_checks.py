@@ -90,10 +90,11 @@ def within(
                 between = (f"{band}, first half of {log.name}", "second half")
                 found[place] += halves.moved_alike([length], ("halves", bands[own[0]].group, between), null)
     for place, own in members.items():
-        rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
+        rate = _rate(seen.setting, own)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
-        parts = apart.by_samples(rate > 0.0)
-        found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
+        parts = apart.by_samples(rate > 0.0, without=None if seen.null is None else _rate(seen.null, own) > 0.0)
+        told = np.zeros_like(null)  # it was split
+        found[place] += (*parts.springs(place, said, told), *parts.lengths(place, lengths_of(own), said, told))
         found[place] += apart.by_laws(own, bands[own[0]].group)
     known = slice(len(sigma))
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
@@ -130,19 +131,25 @@ class _Apart:
     robot: Mapping[str, Array]
     moves: Moves
 
-    def by_samples(self, first: BoolArray, second: BoolArray | None = None) -> _Split:
+    def by_samples(self, first: BoolArray, second: BoolArray | None = None, without: BoolArray | None = None) -> _Split:
         """first, second: (N,) samples of two parts; where there is no second, the others are. What is in neither has
         springs of its own.
 
-        What logs without the device say is not split: each part is taken to err by all of it, independently.
+        without: (N,) samples of the logs without the device that are of the first part: what is found there between
+        both parts is no device's. Where they cannot be split, each part is taken to err by all of it, independently.
         """
-        fitted = self.seen.fitted
+        fitted, null = self.seen.fitted, self.seen.null
         S = len(fitted.wear.springs)
         springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
         neither = ~first if second is None else ~(first | second)
         parts = [first, neither] if second is None else [first, second, *([neither] if neither.any() else [])]
         A = np.concatenate([*(springs * part[:, None, None] for part in parts), more], axis=2)
-        return self._split(self.open, fitted, A, None)
+        found = self._split(self.open, fitted, A, None)
+        if null is None or without is None:
+            return found
+        bare = columns(null.logs, null.wires, fitted.wear)
+        both = [bare[:, :, :S] * part[:, None, None] for part in (without, ~without)]
+        return replace(found, null_score=null_score(null, np.concatenate([*both, bare[:, :, S:]], axis=2)))
 
     def by_laws(self, own: Sequence[int], group: str) -> Iterator[CrossCheck]:
         """Bands `own` that harden or soften: slope of the pull [N/m] at their harder pulls less that at the softer. And
@@ -298,6 +305,11 @@ def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int,
     excess: (D,) [N·m] RMS."""
     parts = np.sqrt(np.sum(weight * beside**2, axis=0) * np.sum(weight, axis=0)) * excess
     return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(weight * a * beside)), 1e-300))
+
+
+def _rate(setting: Setting, own: Sequence[int]) -> Array:
+    """(N,) [m/s] at which bands lengthen, together."""
+    return np.asarray(np.sum([setting.wires[k].rate for k in own], axis=0))
 
 
 def _null_of_fit(seen: BandFit) -> Array:
