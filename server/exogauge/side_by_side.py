@@ -1,7 +1,8 @@
 """What is independent, such as logs, on several processors: threads, as what costs leaves the interpreter alone.
 
 Results come in the order of the items, and whoever adds them up does so in that order: no bit depends on how many
-processors there were. Linear algebra keeps to one thread (`blas_threads`).
+processors there were. Linear algebra keeps to one thread (`blas_threads`). NumPy holds the interpreter through `@`, of
+whatever size, and not through `np.dot`: large products of what runs here are the latter.
 """
 
 from __future__ import annotations

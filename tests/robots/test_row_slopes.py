@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import regressor
 from exogauge.robots.row_slopes import MotionSlopes, WeightedRow, row_slopes
@@ -27,7 +27,7 @@ def weighted(tree: RigidTree, motion: Motion, G: np.ndarray) -> MotionSlopes:
         rows.append(WeightedRow(axis, -1, every, np.moveaxis(G[:, k], 0, 1)))
     for joint in range(len(tree.joints)):
         body = int(np.flatnonzero(tree.dof == joint)[0])
-        carried = np.flatnonzero(subtree(tree)[body])
+        carried = np.flatnonzero(tree.subtree[body])
         rows.append(WeightedRow(sweep.S[body].T, body, carried, np.moveaxis(G[:, base + joint][:, carried], 0, 1)))
     return row_slopes(kinematics, motion, sweep, rows)
 

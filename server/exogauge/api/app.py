@@ -47,6 +47,7 @@ from exogauge.api import (
 )
 from exogauge.api.access import Access
 from exogauge.api.guard import BodyLimit, Guard
+from exogauge.api.heads import Heads
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
 from exogauge.api.metrics import OfInstallation
@@ -54,7 +55,7 @@ from exogauge.api.observed import Measures, Observed, quiet
 from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
 from exogauge.api.routing import PREFIX, Router
-from exogauge.api.uploads_resumable import TusHeaders
+from exogauge.api.uploads_resumable import Tus
 from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
 from exogauge.storage.accounts import Accounts
@@ -110,11 +111,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     measures.registry.register(OfInstallation(installation, settings))
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
+    app.add_middleware(Heads)
     app.add_middleware(Idempotency)
     app.add_middleware(BodyLimit, limit=settings.max_upload_bytes, piece_limit=settings.max_bundle_bytes)
-    app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
     app.add_middleware(Access)
     app.add_middleware(Guard, local_only=settings.local_only)
+    app.add_middleware(Tus, prefix=f"{PREFIX}/uploads")
     app.add_middleware(Rate, per_s=settings.requests_per_s)
     app.add_middleware(Observed, measures=measures)
     for router in (  # those that are asked most come first: a request is held against one after the other

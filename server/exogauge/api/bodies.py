@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass, field
+from json import JSONDecodeError
 from typing import Any, final
 
 from fastapi import HTTPException, Request
@@ -12,9 +13,9 @@ from pydantic import ValidationError
 from starlette.datastructures import FormData, UploadFile
 
 from exogauge.api.dependencies import get_settings
+from exogauge.api.problems import NOT_JSON
+from exogauge.api.reading import FORM, JSON, media_type
 from exogauge.api.shapes import StudyFromParts
-
-FORM = "multipart/form-data"
 
 
 @final
@@ -36,7 +37,9 @@ async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
     async with request.form(max_files=(await get_settings(request)).max_bundle_files, max_fields=20) as form:
         files = tuple(value for _, value in form.multi_items() if isinstance(value, UploadFile))
         if not files:
-            raise refused(("body", "files"), "missing", "the form holds no file")
+            raise refused(
+                ("body", "files"), "missing", "the form holds no file; a file has a `filename` beside its `name`"
+            )
         said = {key: text for key in form if (text := text_of(form, key)) is not None}
         yield BundleUpload(files, said.pop("name", None), said.pop("robot", None), said)
 
@@ -51,16 +54,24 @@ async def device_body(request: Request) -> AsyncIterator[BundleUpload]:
 
 async def study_body(request: Request) -> AsyncIterator[BundleUpload | StudyFromParts]:
     """A study as files, or as JSON that names a robot and logs uploaded before."""
-    if media_type(request) == "application/json":
-        yield parts(await request.body())
+    if JSON.fullmatch(media_type(request)):
+        yield parts(await json_of(request))
     else:
         async for upload in bundle_body(request):
             yield upload
 
 
-def parts(body: bytes) -> StudyFromParts:
+async def json_of(request: Request) -> Any:
     try:
-        return StudyFromParts.model_validate_json(body)
+        return await request.json()
+    except JSONDecodeError as error:
+        fault = {"type": NOT_JSON, "loc": ("body", error.pos), "msg": error.msg, "ctx": {"error": error.msg}}
+        raise RequestValidationError([fault], body=error.doc) from error
+
+
+def parts(content: Any) -> StudyFromParts:
+    try:
+        return StudyFromParts.model_validate(content)
     except ValidationError as error:
         raise RequestValidationError(
             [{**entry, "loc": ("body", *entry["loc"])} for entry in error.errors(include_url=False)]
@@ -71,10 +82,6 @@ def text_of(form: FormData, field: str) -> str | None:
     """A field of the form, None where it is absent or blank."""
     value = form.get(field)
     return value.strip()[:200] or None if isinstance(value, str) else None
-
-
-def media_type(request: Request) -> str:
-    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
 def refused(place: tuple[str, ...], kind: str, message: str) -> RequestValidationError:

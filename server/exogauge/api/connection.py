@@ -12,10 +12,12 @@ Only time in which the server listened counts, look by look: a server that is bu
 from __future__ import annotations
 
 import asyncio
+import sys
 from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any, final
 
+from httptools import HttpParserCallbackError, HttpParserError
 from uvicorn.config import Config
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
@@ -159,7 +161,10 @@ class Connection(HttpToolsProtocol):
         super().handle_websocket_upgrade()
 
     def send_400_response(self, msg: str) -> None:
-        self.refuse(400, "Not a request", msg)
+        """Called where the parser has raised what it found."""
+        found = sys.exc_info()[1]
+        ours = not isinstance(found, HttpParserError) or isinstance(found, HttpParserCallbackError)
+        self.refuse(400, "Not a request", msg if ours else f"{msg} {found}.")
 
     def refuse(self, status: int, title: str, detail: str, *, say: bool = True) -> None:
         """Answer with a problem where no other answer has begun, and end."""

@@ -12,6 +12,7 @@ from uuid import UUID
 from fastapi import Depends, Header, Path, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.requests import HTTPConnection
+from pydantic import AfterValidator
 from starlette.exceptions import HTTPException
 
 from exogauge.errors import Conflict
@@ -113,6 +114,14 @@ def encoded_cursor(after: tuple[datetime, str] | None) -> str | None:
     return base64.urlsafe_b64encode(json.dumps([after[0].isoformat(), after[1]]).encode()).decode()
 
 
+def as_id(text: str | None) -> str | None:
+    """In small letters, as in a path."""
+    try:
+        return text and str(UUID(text))
+    except ValueError:
+        return text  # of nothing, then
+
+
 Id = Annotated[UUID, Path(description="id of the thing")]
 Cursor = Annotated[tuple[datetime, str] | None, Depends(decoded_cursor)]
 Limit = Annotated[int, Query(ge=1, le=LONGEST_PAGE, description="most items of one page")]
@@ -128,7 +137,11 @@ Search = Annotated[
 Name = Annotated[
     str | None, Query(max_length=200, pattern=NO_NUL, description="only those with this name: its versions")
 ]
-Key = Annotated[str | None, Query(max_length=64, pattern=NO_NUL, description="only those of this one, by its id")]
+Key = Annotated[
+    str | None,
+    Query(max_length=64, pattern=NO_NUL, description="only those of this one, by its id"),
+    AfterValidator(as_id),
+]
 SettingsDep = Annotated[Settings, Depends(get_settings)]
 InstallationDep = Annotated[Installation, Depends(get_installation)]
 CallerDep = Annotated[Caller, Depends(get_caller)]

@@ -21,6 +21,7 @@ from exogauge.api.problems import of_http, problem_response
 
 WEBSOCKET = "WEBSOCKET"  # in place of a method: not safe, as its sender reads and writes
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
+PLAIN = "identity"
 OWN_PAGES = ("same-origin", "none")
 PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -135,9 +136,18 @@ class BodyLimit:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        headers = Headers(scope=scope)
+        packed = headers.get("content-encoding", PLAIN).strip().lower()
+        if packed != PLAIN and scope["method"] not in SAFE_METHODS:
+            detail = (
+                f"no body is taken as Content-Encoding: {packed[:80]}; send it as it is, or as a zip where one may be"
+            )
+            unpack = HTTPException(415, detail, {"Accept-Encoding": PLAIN})
+            await of_http(unpack, scope["path"])(scope, receive, send)
+            return
         limit = self.piece_limit if scope["method"] == "PATCH" else self.limit
         refusal = HTTPException(413, f"a request body may have at most {limit} bytes; upload large files in pieces")
-        declared = Headers(scope=scope).get("content-length", "0")
+        declared = headers.get("content-length", "0")
         if not declared.isdecimal() or int(declared) > limit:
             await of_http(refusal, scope["path"])(scope, receive, send)
             return

@@ -40,7 +40,8 @@ LONGEST_ANSWER = 1024 * 1024
 SECRET = re.compile(
     r"/api/v1/(session|set-up|invitations|tokens|lab/invitations|webhooks|oidc)\b"
 )  # answers that are kept nowhere
-KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
+KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires", b"upload-offset")
+SAYING = ("upload-length", "upload-metadata")  # headers that are what a request asks for
 
 
 @final
@@ -99,6 +100,7 @@ class HashedBody:
         self.complete = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
         kind, self._boundary = content_type(headers.get("content-type", ""))
         head = [scope["method"], scope["path"], scope.get("query_string", b"").decode("latin-1"), kind]
+        head += [f"{name}: {headers[name]}" for name in SAYING if name in headers]
         self._hash = hashlib.sha256("\0".join(head).encode())
         self._tail = b""
 

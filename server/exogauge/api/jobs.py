@@ -8,10 +8,20 @@ from datetime import datetime
 from typing import Annotated, Any, Self, final
 
 from fastapi import Depends, Request, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
-from exogauge.api.dependencies import Cursor, Id, InstallationDep, Key, Limit, ReaderDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import (
+    Cursor,
+    Id,
+    InstallationDep,
+    Key,
+    Limit,
+    ReaderDep,
+    StoreDep,
+    as_id,
+    encoded_cursor,
+)
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf, State
@@ -38,16 +48,19 @@ def get_queue(request: Request, installation: InstallationDep) -> JobQueue:
 QueueDep = Annotated[JobQueue, Depends(get_queue)]
 
 
+OwnerId = Annotated[str | None, Field(min_length=1, max_length=64), AfterValidator(as_id)]
+
+
 @final
 class JobRequest(BaseModel):
     """What to do with a study, payload, motion or plan, whichever the kind is of. settings: override those of its
     study.yaml or payload.yaml."""
 
     model_config = ConfigDict(extra="forbid")
-    study_id: str | None = Field(default=None, min_length=1, max_length=64)
-    payload_id: str | None = Field(default=None, min_length=1, max_length=64)
-    motion_id: str | None = Field(default=None, min_length=1, max_length=64)
-    plan_id: str | None = Field(default=None, min_length=1, max_length=64)
+    study_id: OwnerId = None
+    payload_id: OwnerId = None
+    motion_id: OwnerId = None
+    plan_id: OwnerId = None
     kind: str = Field(default="evaluate", min_length=1, max_length=64)
     settings: dict[str, Any] = Field(default_factory=dict)
 

@@ -41,7 +41,7 @@ from exogauge.storage.accounts import Accounts, Identities
 from exogauge.storage.callers import Caller
 from exogauge.storage.store import Installation
 
-router = Router(tags=["accounts"], dependencies=[AccountsOn])
+router = Router(tags=["accounts"], dependencies=[AccountsOn], asks_anything=True)  # a provider adds to its word
 log = logging.getLogger(__name__)
 LASTS_S = 600  # of which a browser may take to sign in there
 OWN_PATH = r"^/([^/\\\x00-\x1f][^\\\x00-\x1f]{0,500})?$"  # of the page, not of another host

@@ -59,7 +59,7 @@ Only the pages are missing.</p>
 class PagePath(Convertor[str]):
     """Any path that is not the API's."""
 
-    regex = r"(?!api(?:/|$)).*"
+    regex = r"(?!/*api(?:/|$)).*"
 
     def convert(self, value: str) -> str:
         return value
@@ -85,7 +85,7 @@ def get_icon() -> FileResponse:
 @router.get("/{path:page}")
 def get_page(path: str, request: Request, settings: SettingsDep) -> Response:
     """The document: 200 for a page, 404 for what is none; who asks for something else than a page gets a problem."""
-    known = path.split("/")[0] in PLACES
+    known = path.split("/")[0] in PLACES and not path.startswith("/")
     if not known and "text/html" not in request.headers.get("accept", ""):
         raise HTTPException(404)
     base = "../" * path.count("/") or "./"

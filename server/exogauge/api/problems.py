@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from sqlalchemy.exc import DataError, IntegrityError, InterfaceError, OperationalError
 from starlette.exceptions import HTTPException
 
+from exogauge.api.routing import PREFIX, meant, methods_at
 from exogauge.errors import (
     BadInput,
     BadLog,
@@ -41,6 +42,7 @@ log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 MOST_ERRORS = 100
+NOT_JSON = "json_invalid"
 WAIT_S = 2.0  # after which what cannot be served now is worth another try
 STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class that fits counts
     QuotaFull: (507, "quota-full", "The lab has no room left"),
@@ -161,16 +163,24 @@ def of_fault(fault: Fault) -> ProblemError:
 def of_validation(error: RequestValidationError, instance: str | None = None) -> JSONResponse:
     """What pydantic refuses in path, query, header or body."""
     errors = [
-        ProblemError(
-            detail=clean(said.removeprefix("Value error, ")), code=entry["type"], pointer=pointer(entry["loc"])
-        )
+        ProblemError(detail=clean(said(entry, error)), code=entry["type"], pointer=pointer(place))
         for entry in error.errors()
-        for said in [str(entry["msg"])]
+        for place in [("body",) if entry["type"] == NOT_JSON else entry["loc"]]
     ]
     detail = "; ".join(f"{entry.pointer}: {entry.detail}" for entry in errors[:3])
     return problem_response(
         422, "bad-request-content", "The request breaks a rule", detail, instance=instance, errors=errors
     )
+
+
+def said(entry: Mapping[str, Any], error: RequestValidationError) -> str:
+    if entry["type"] != NOT_JSON:
+        return str(entry["msg"]).removeprefix("Value error, ")
+    why, text, place = entry["ctx"]["error"], error.body, entry["loc"][-1]
+    if not text:
+        return f"this is no JSON: {why}"
+    before = text[:place]
+    return f"this is no JSON: {why} in line {before.count(chr(10)) + 1}, column {place - before.rfind(chr(10))}"
 
 
 def pointer(place: Sequence[str | int]) -> str:
@@ -213,6 +223,14 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(HTTPException)
     def _framework(request: Request, error: HTTPException) -> JSONResponse:
+        routes = request.app.router.routes
+        if error.status_code == 405:
+            allowed = ", ".join(methods_at(routes, request.scope))
+            error = HTTPException(405, f"this takes {allowed}", {"Allow": allowed})
+        elif error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
+            other = meant(routes, request.scope)
+            advice = f"did you mean {other}?" if other else f"{PREFIX}/openapi.json names what there is"
+            error = HTTPException(404, f"there is nothing at this path; {advice}")
         return of_http(error, request.url.path)
 
     @app.exception_handler(OperationalError)

@@ -17,7 +17,7 @@ from exogauge.api.shapes import Answer
 from exogauge.storage.publications import published, published_file, versions_of
 from exogauge.storage.records import PublicationRecord
 
-router = Router(tags=["published"])
+router = Router(tags=["published"], asks_anything=True)  # who passes a link on appends to it
 Key = Annotated[str, Path(pattern=r"^[0-9a-z]{1,16}$", description="the last part of a permalink")]
 SUMS: dict[int | str, dict[str, Any]] = {200: {"content": {"text/plain": {"schema": {"type": "string"}}}}}
 

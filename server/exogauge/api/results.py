@@ -83,7 +83,7 @@ def file_response(blobs: BlobStore, request: Request, sha256: str, name: str, me
         "Cache-Control": "private, no-cache",
         "Content-Security-Policy": REPORT_POLICY,
     }
-    if etag in request.headers.get("if-none-match", ""):
+    if unchanged(request, etag):
         return Response(status_code=304, headers=headers)
     shown = "inline" if media_type.partition(";")[0] in SHOWN else "attachment"
     path = blobs.path_for(sha256)
@@ -91,6 +91,12 @@ def file_response(blobs: BlobStore, request: Request, sha256: str, name: str, me
         return StreamingResponse(streamed(blobs, sha256), media_type=media_type, headers=headers)
     last = name.rsplit("/", 1)[-1]
     return FileResponse(path, headers=headers, media_type=media_type, filename=last, content_disposition_type=shown)
+
+
+def unchanged(request: Request, etag: str) -> bool:
+    """Whether who asks has it already."""
+    asked = request.headers.get("if-none-match", "")
+    return etag in asked or asked.strip() == "*"
 
 
 def streamed(blobs: BlobStore, sha256: str) -> Iterator[bytes]:

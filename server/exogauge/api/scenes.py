@@ -16,6 +16,7 @@ from pydantic import BaseModel, Field
 from exogauge.api.dependencies import Id, Limit, ReaderDep, SettingsDep, StorageDep
 from exogauge.api.lists import Mark, part
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.results import unchanged
 from exogauge.api.routing import Router
 from exogauge.api.series import opened, series_of
 from exogauge.api.shapes import ListOf, Role
@@ -249,7 +250,7 @@ def hashed(*parts: str) -> str:
 def kept(key: str, draw: Callable[[], bytes], name: str, request: Request, settings: Settings) -> Response:
     """The scene of this key, drawn now where there is none yet."""
     headers = {"ETag": f'"{key}"', "Cache-Control": "private, no-cache"}
-    if headers["ETag"] in request.headers.get("if-none-match", ""):
+    if unchanged(request, headers["ETag"]):
         return Response(status_code=304, headers=headers)
     path = shelf_of(request, settings).get(key, draw)
     return FileResponse(path, headers=headers, media_type=MEDIA_TYPE, filename=f"{name}.scene")

@@ -29,6 +29,7 @@ UNREADABLE = (
 )  # fmt: skip
 IGNORED = ("__MACOSX/", ".DS_Store")
 LONGEST_ENTRY = 2048  # bytes of a zip's directory per file: name, extra fields, comment
+DOS = 0  # where a zip was made (APPNOTE 4.4.2)
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -77,7 +78,7 @@ def lay_out(files: Sequence[UploadFile], folder: Path, settings: Settings) -> No
         return
     allowance, taken = Allowance.of(settings), set[str]()
     for file in files:
-        path = free_path(file.filename or "", taken)
+        path = free_path((file.filename or "").replace("\\", "/"), taken)  # as scripts on Windows name it
         allowance.file()
         write(file.file, folder / path, allowance)
 
@@ -94,13 +95,14 @@ def unpack(source: BinaryIO, name: str, folder: Path, allowance: Allowance) -> N
     try:
         refuse_long_directory(source, allowance)
         with zipfile.ZipFile(source) as archive:
-            members = [member for member in archive.infolist() if not member.is_dir() and not ignored(member.filename)]
+            found = ((member, inside(member)) for member in archive.infolist())
+            members = [(member, path) for member, path in found if not path.endswith("/") and not ignored(path)]
             for _ in members:
                 allowance.file()
             taken: set[str] = set()
-            for member in members:
+            for member, path in members:
                 refuse_special(member, name)
-                path = free_path(member.filename, taken)
+                path = free_path(path, taken)
                 with archive.open(member) as content:
                     write(content, folder / path, allowance)
     except UNREADABLE as error:
@@ -134,6 +136,11 @@ def refuse_special(member: zipfile.ZipInfo, name: str) -> None:
             Fault(detail, "zip_entry_refused", "Pack plain files with an ordinary zip program.", file=name,
                   value=ascii(member.filename[:200]))
         )  # fmt: skip
+
+
+def inside(member: zipfile.ZipInfo) -> str:
+    """Its path. Older .NET wrote backslashes between folders, which no name on Windows can hold (APPNOTE 4.4.17)."""
+    return member.filename.replace("\\", "/") if member.create_system == DOS else member.filename
 
 
 def ignored(path: str) -> bool:

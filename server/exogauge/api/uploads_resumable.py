@@ -20,9 +20,10 @@ from pathlib import Path
 from typing import Annotated, Any, BinaryIO, final
 
 from fastapi import Depends, Header, Request, Response
+from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import MutableHeaders
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -44,6 +45,11 @@ VERSION = "1.0.0"
 EXTENSIONS = "creation,termination,checksum,expiration"
 PIECE = "application/offset+octet-stream"
 ALGORITHMS = ("sha1", "sha256")
+NOT_SPOKEN = {
+    "Upload-Concat": "files are not joined here; send one, or name several uploads where they are used",
+    "Upload-Defer-Length": "say Upload-Length; how long a file becomes is known from the start",
+}
+OVERRIDDEN = ("PATCH", "DELETE", "HEAD")  # by a POST; tus 1.0.0, X-HTTP-Method-Override
 AT_ONCE = 1 << 20  # bytes gathered before they are written
 MISMATCH = 460  # tus: the checksum does not fit
 BODY = {"requestBody": {"required": True, "content": {PIECE: {"schema": {"type": "string", "format": "binary"}}}}}
@@ -62,8 +68,9 @@ class UploadOut(BaseModel):
 
 
 @final
-class TusHeaders:
-    """ASGI middleware: every answer below `prefix` tells the version, refusals too."""
+class Tus:
+    """ASGI middleware: every answer below `prefix` tells the version, refusals too. A client whose network lets only
+    POST through says in a header what it means, before anybody asks whether it may."""
 
     def __init__(self, app: ASGIApp, prefix: str) -> None:
         self.app, self.prefix = app, prefix
@@ -77,6 +84,9 @@ class TusHeaders:
         mine = scope["type"] == "http" and scope["path"].removeprefix(scope.get("root_path", "")).startswith(
             self.prefix
         )
+        if mine and scope["method"] == "POST":
+            meant = Headers(scope=scope).get("x-http-method-override", "POST").upper()
+            scope = {**scope, "method": meant if meant in OVERRIDDEN else "POST"}
         await self.app(scope, receive, told if mine else send)
 
 
@@ -93,7 +103,15 @@ async def partial_files(settings: SettingsDep, installation: InstallationDep) ->
     return PartialFiles(settings.uploads, installation.blobs.pieces)
 
 
-Spoken = Depends(spoken)
+def plain(request: Request) -> None:
+    """422 for what clients of other servers say when they create an upload, and would take for understood."""
+    for name, advice in NOT_SPOKEN.items():
+        if name in request.headers:
+            place = ("header", name)
+            raise RequestValidationError([{"type": "not_spoken", "loc": place, "msg": f"{advice}"}])
+
+
+Spoken, Plain = Depends(spoken), Depends(plain)
 FilesDep = Annotated[PartialFiles, Depends(partial_files)]
 Length = Annotated[str, Header(alias="Upload-Length", pattern=NUMBER, description="bytes of the whole file")]
 Offset = Annotated[str, Header(alias="Upload-Offset", pattern=NUMBER, description="bytes that came before this piece")]
@@ -119,7 +137,7 @@ def get_upload_caps(settings: SettingsDep) -> Response:
     return Response(status_code=204, headers=headers)
 
 
-@router.post("/uploads", operation_id="createUpload", status_code=201, dependencies=[Spoken])
+@router.post("/uploads", operation_id="createUpload", status_code=201, dependencies=[Spoken, Plain])
 def create_upload(
     length: Length,
     storage: StorageDep,
@@ -140,6 +158,7 @@ def create_upload(
         store.refuse_bytes(0, coming=True)
     response.headers["Location"] = request.url_for("get_upload_offset", upload_id=key).path
     response.headers["Upload-Expires"] = http_date(upload)
+    response.headers["Upload-Offset"] = "0"  # for whoever sent the first piece along: it comes once more
     return UploadOut(**shown(upload), offset=0)
 
 

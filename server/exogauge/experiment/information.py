@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import split
-from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
 from exogauge.robots.row_slopes import MotionSlopes, WeightedRow, row_slopes
 from exogauge.robots.rows import RowType
@@ -63,7 +63,7 @@ class Information:
     def beyond(self) -> list[IntArray]:
         """Bodies that each axis carries."""
         tree = self.equations.robot.tree
-        carried = subtree(tree)
+        carried = tree.subtree
         return [np.flatnonzero(carried[int(np.flatnonzero(tree.dof == j)[0])]) for j in range(len(tree.joints))]
 
     def loads(self, motion: Motion) -> Array:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-from exogauge.robots.kinematics import subtree
 
 Array = NDArray[np.float64]
 
@@ -77,7 +76,7 @@ def carrying(robot: Robot) -> NDArray[np.bool_]:
     tree, legs = robot.tree, np.zeros(len(robot.joints), dtype=bool)
     if not robot.floating:
         return legs
-    beyond = subtree(tree)  # (N, N) whether the second is on the first
+    beyond = tree.subtree  # (N, N) whether the second is on the first
     for sensor in robot.contacts:
         foot = tree.frames[sensor.frame][0]
         above = np.flatnonzero(beyond[:, foot] & (tree.dof >= 0)) if foot >= 0 else np.zeros(0, dtype=np.intp)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from exogauge.effects.effect import Quantity
 from exogauge.robots.body_rows import body_rows
 from exogauge.robots.description import Robot
-from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import SYMBOLS, UNITS
 from exogauge.robots.rows import RowType
@@ -56,7 +55,7 @@ def zeros(robot: Robot, samples: int) -> Array:
 
 def kinds_of_body(robot: Robot, body: int) -> tuple[int, ...]:
     """Row kinds (`RowLayout`) that feel a body: base rows, axes on the way to the base, sensors that carry it."""
-    above = subtree(robot.tree)[:, body] & (robot.tree.dof >= 0)
+    above = robot.tree.subtree[:, body] & (robot.tree.dof >= 0)
     acts = robot.axes_from_joints[:, robot.tree.dof[above]] != 0.0
     felt = [axis for axis, joint in enumerate(robot.joints) if acts[axis].any() and joint.actuation != "none"]
     carrying = [index for index, sensor in enumerate(robot.cuts) if body in robot.tree.cuts[sensor.frame]]

@@ -53,7 +53,7 @@ class Chunk:
 
     def residual(self, x: Array) -> Array:
         """(n,) y - A x."""
-        return np.asarray(self.block[:, -1] - self.block[:, :-1] @ x[self.columns])
+        return np.asarray(self.block[:, -1] - np.dot(self.block[:, :-1], x[self.columns]))
 
 
 @final
@@ -274,7 +274,7 @@ class Equations:
         """Friction that holds at rest, and the current that the model calls for. x: (k_r,) of the pass before."""
         first = len(self.body_columns[kind])
         if signals.rest.any():
-            r = block[:, -1] - block[:, :-1] @ x
+            r = block[:, -1] - np.dot(block[:, :-1], x)
             self._fill_effects(replace(signals, stick=signals.rest * np.sign(r)), block, first)
         gain = first + self._gain if self._gain is not None else None
         if (

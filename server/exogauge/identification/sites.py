@@ -21,7 +21,6 @@ from exogauge.identification.thinned import at_all, thinned
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
-from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
 from exogauge.robots.row_blocks import Swept
@@ -475,7 +474,7 @@ def read_wrongly(
     No row feels the angle but by what the links beyond it weigh, and by what acts on feet beyond it.
     """
     tree, way = equations.robot.tree, error.T
-    turned_by_it = subtree(tree)[int(np.flatnonzero(tree.dof == joint)[0])]
+    turned_by_it = tree.subtree[int(np.flatnonzero(tree.dof == joint)[0])]
     beyond = np.where(turned_by_it[equations.base.columns // 10], phi, 0.0)
     feet = [tree.frames[each.frame][0] for each in equations.robot.contacts]
     bears = any(body >= 0 and turned_by_it[body] for body in feet)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from exogauge.robots.description import Robot
-from exogauge.robots.kinematics import subtree
 
 
 def coupled(robot: Robot) -> list[set[int]]:
@@ -17,7 +16,7 @@ def coupled(robot: Robot) -> list[set[int]]:
 def related(robot: Robot) -> list[set[int]]:
     """Joint -> axes whose load its position changes: of all that it carries, and of all that carry it."""
     tree, own = robot.tree, coupled(robot)
-    carried = subtree(tree)
+    carried = tree.subtree
     body = {int(tree.dof[i]): i for i in range(len(tree.bodies)) if tree.dof[i] >= 0}
     joints = range(len(robot.joints))
     near = [[k for k in joints if carried[body[j], body[k]] or carried[body[k], body[j]]] for j in joints]

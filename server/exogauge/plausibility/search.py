@@ -31,7 +31,6 @@ from exogauge.plausibility.snapshot import Snapshot
 from exogauge.plausibility.summit import climb
 from exogauge.plausibility.unlike import Unlike, unlike_axes
 from exogauge.robots.description import Robot
-from exogauge.robots.kinematics import subtree
 
 Array = NDArray[np.float64]
 
@@ -403,6 +402,6 @@ class _State:
 
 def _of_the_base(robot: Robot) -> list[int]:
     """Joints that no other carries."""
-    carried, tree = subtree(robot.tree), robot.tree
+    carried, tree = robot.tree.subtree, robot.tree
     moved = [int(i) for i in np.flatnonzero(tree.dof >= 0)]
     return [int(tree.dof[i]) for i in moved if not any(carried[k, i] for k in moved if k != i)]

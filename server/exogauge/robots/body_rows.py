@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import BodyStates, forward, joint_motions, subtree
+from exogauge.robots.kinematics import BodyStates, forward, joint_motions
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import body_regressor, in_sensor_frame, to_base
 from exogauge.robots.tree import RigidTree
@@ -31,7 +31,7 @@ def _rows(tree: RigidTree, axes_from_joints: Array, motion: Motion, body: int, c
     states, S = forward(tree, motion), joint_motions(tree, motion.q)
     wrench = to_base(_only(states, body), body_regressor(_only(states, body)))[:, 0]
     joints = np.zeros((motion.samples, len(tree.joints), 10))
-    for i in np.flatnonzero(subtree(tree)[:, body] & (tree.dof >= 0)):
+    for i in np.flatnonzero(tree.subtree[:, body] & (tree.dof >= 0)):
         joints[:, tree.dof[i]] = np.einsum("ta,tak->tk", S[:, i], wrench)
     axes = np.einsum("ja,tjk->tak", np.linalg.inv(axes_from_joints), joints)  # C⁻ᵀ τ
     read = [in_sensor_frame(tree, frame, states, wrench * (body in tree.cuts[frame])) for frame in cuts]

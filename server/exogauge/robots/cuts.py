@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, Sweep, subtree
+from exogauge.robots.kinematics import Kinematics, Sweep
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import BaseParameters
 from exogauge.robots.tree import IntArray, RigidTree
@@ -48,7 +48,7 @@ def split(tree: RigidTree, sensors: Sequence[Beyond]) -> RigidTree:
         inner = {owner[link] for link in sensor.links if link in owner}
         tree = _with_body(tree, own, sensor.inertia, inner)
         owner |= dict.fromkeys(own, len(tree.bodies) - 1)
-    carried = subtree(tree)
+    carried = tree.subtree
     moved_by = {joint: int(np.flatnonzero(tree.dof == k)[0]) for k, joint in enumerate(tree.joints)}
     cuts: dict[str, tuple[int, ...]] = {}
     for sensor in sensors:

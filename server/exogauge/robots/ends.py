@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from exogauge.robots.description import Robot
-from exogauge.robots.kinematics import subtree
 from exogauge.robots.tree import RigidTree
 
 FINGERS = 0.05  # of the robot's mass: what a hand may carry and still be the end
@@ -14,7 +13,7 @@ def carries_nothing(tree: RigidTree, body: int) -> bool:
 
     What hangs behind a force/torque sensor is a hand of its own, however light.
     """
-    carried = subtree(tree)[body].copy()
+    carried = tree.subtree[body].copy()
     carried[body] = False
     parts = {tree.bodies.index(name) for name in tree.parts}
     return float(tree.phi[carried, 0].sum()) < FINGERS * tree.mass and not parts.intersection(carried.nonzero()[0])
@@ -24,5 +23,5 @@ def takes_payload(robot: Robot, body: int) -> bool:
     """Whether it carries nothing, and does not stand on anything: a shank above a light foot, or above the sensor
     at which the robot ends, is no hand."""
     standing = {robot.tree.frames[sensor.frame][0] for sensor in robot.contacts}
-    legs = subtree(robot.tree)[body].nonzero()[0]
+    legs = robot.tree.subtree[body].nonzero()[0]
     return carries_nothing(robot.tree, body) and not standing.intersection(legs)

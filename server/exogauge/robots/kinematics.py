@@ -164,16 +164,6 @@ def joint_motions(tree: RigidTree, q: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(sweep.S, 2, 0))
 
 
-def subtree(tree: RigidTree) -> NDArray[np.bool_]:
-    """(N, N) entry [i, k]: body k is body i or carried by it."""
-    n = len(tree.bodies)
-    carried = np.eye(n, dtype=np.bool_)
-    for k in range(n):
-        if tree.parent[k] >= 0:
-            carried[:, k] |= carried[:, tree.parent[k]]
-    return carried
-
-
 def cross(u: Array, v: Array, axis: int = -1) -> Array:
     """u x v along an axis of three, as NumPy's, which takes several times as long for what it may be given else."""
     out = np.empty(np.broadcast_shapes(u.shape, v.shape))

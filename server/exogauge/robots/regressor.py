@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import BodyStates, forward, joint_motions, subtree
+from exogauge.robots.kinematics import BodyStates, forward, joint_motions
 from exogauge.robots.motion import Motion
 from exogauge.robots.tree import RigidTree
 
@@ -30,7 +30,7 @@ def regressor(tree: RigidTree, motion: Motion) -> Array:
     Y = np.zeros((samples, start + len(tree.joints), n, 10))
     if tree.floating:
         Y[:, :6] = np.swapaxes(wrench, 1, 2)
-    carried = subtree(tree)
+    carried = tree.subtree
     for i in np.flatnonzero(tree.dof >= 0):
         Y[:, start + tree.dof[i], carried[i]] = np.einsum("ta,tnak->tnk", S[:, i], wrench[:, carried[i]])
     return Y.reshape(samples, -1, 10 * n)
@@ -113,7 +113,7 @@ def inertia_matrices(phi: Array) -> Array:
 
 def _project(tree: RigidTree, q: Array, wrench: Array) -> Array:
     """(T, 6+J) or (T, J) from wrenches (T, N, 6) on each body about the base origin, base frame."""
-    S, carried = joint_motions(tree, q), subtree(tree).astype(np.float64)
+    S, carried = joint_motions(tree, q), tree.subtree.astype(np.float64)
     joints = np.zeros((len(q), len(tree.joints)))
     moved = np.flatnonzero(tree.dof >= 0)
     joints[:, tree.dof[moved]] = np.einsum("tia,tia->ti", S, np.einsum("ik,tka->tia", carried, wrench))[:, moved]

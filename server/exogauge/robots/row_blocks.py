@@ -18,7 +18,7 @@ from typing import TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import BaseParameters
 from exogauge.robots.rows import RowLayout
@@ -201,7 +201,7 @@ class BlockColumns:
         moved = np.flatnonzero(tree.dof >= 0)
         body_of_joint = np.empty(len(tree.joints), dtype=np.intp)
         body_of_joint[tree.dof[moved]] = moved
-        carried = subtree(tree)
+        carried = tree.subtree
         columns = [mass] * 3 + [np.concatenate([mass, inertia])] * 3 if tree.floating else []
         mass_segments, inertia_segments = [], []
         for weights in np.linalg.inv(axes_from_joints).T:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import Kinematics, cross, subtree
+from exogauge.robots.kinematics import Kinematics, cross
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import inertia_matrices
 from exogauge.robots.tree import RigidTree
@@ -30,7 +30,7 @@ def inertia_and_gravity_slope(
     m, h, inertia = _carried(tree, phi, sweep.R, sweep.p)
     v, w = sweep.S[:, :3], sweep.S[:, 3:]
     body = {int(joint): int(k) for k, joint in enumerate(tree.dof) if joint >= 0}
-    above, acc = subtree(tree), motion.acc.T
+    above, acc = tree.subtree, motion.acc.T
     J, K = np.zeros_like(motion.q), np.zeros_like(motion.q)
     for axis, turn in enumerate(np.linalg.inv(axes_from_joints).T):
         moved = [(body[int(joint)], float(turn[joint])) for joint in np.flatnonzero(turn)]

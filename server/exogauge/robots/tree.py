@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -56,6 +57,16 @@ class RigidTree:
     dropped: tuple[str, ...] = ()
     cuts: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @cached_property
+    def subtree(self) -> NDArray[np.bool_]:
+        """(N, N) entry [i, k]: body k is body i or carried by it. Not to be written to."""
+        carried = np.eye(len(self.bodies), dtype=np.bool_)
+        for k, parent in enumerate(self.parent.tolist()):
+            if parent >= 0:
+                carried[:, k] |= carried[:, parent]
+        carried.flags.writeable = False
+        return carried
 
     @property
     def sliding(self) -> frozenset[str]:

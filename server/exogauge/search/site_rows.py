@@ -60,7 +60,7 @@ class SiteRows:
     def moved(self, step: Array, own: Sequence[IntArray]) -> Mapping[int, Array]:
         """Kind -> (n,) what is left where the model's parameters have moved by step: (P,); own: those in the rows of
         each kind."""
-        return {kind: rows.e - rows.A @ step[own[kind]] for kind, rows in self.rows.items()}
+        return {kind: rows.e - np.dot(rows.A, step[own[kind]]) for kind, rows in self.rows.items()}
 
     def after(
         self, columns: Mapping[int, Array], coefficients: Array, step: Array, own: Sequence[IntArray]

@@ -43,9 +43,9 @@ class KindSums:
         """A: (n, k). c: (n, C). e: (n,) y - A x."""
         self.rows += len(e)
         if c.any():  # few rows feel what one joint's encoder reads
-            self.cross -= c.T @ A
-            self.own += c.T @ c
-            self.with_residual -= c.T @ e
+            self.cross -= np.dot(c.T, A)
+            self.own += np.dot(c.T, c)
+            self.with_residual -= np.dot(c.T, e)
 
     def join(self, other: KindSums) -> None:
         """Take in the rows of another log."""

@@ -338,7 +338,7 @@ def _downhill(setting: Setting, begin: Begin, held: Mapping[int, float], small: 
     now, seen = _reached(setting, begin if as_held else told(setting, wear.at(theta)))
     for _ in range(STEPS):
         here, was = _with_slopes(setting, now, seen), now.wear.theta
-        g = (setting.weight * here.e).ravel() @ here.A.reshape(-1, len(was)) - _pulled(setting.belief, was)
+        g = np.dot((setting.weight * here.e).ravel(), here.A.reshape(-1, len(was))) - _pulled(setting.belief, was)
         step = _steps(here.hessian, g, free, low - was, high - was)
         if g @ step(DAMPINGS[0]) <= small * max(now.cost, SMALL):  # what is to be gained
             break

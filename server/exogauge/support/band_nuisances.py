@@ -40,13 +40,13 @@ class Between:
     def times(self, v: Array) -> Array:
         """(N, D, …) of (m, …)."""
         n, D, _ = self.values.shape
-        return np.asarray(self._of_each @ (self.values @ v).reshape(n, -1)).reshape(-1, D, *v.shape[1:])
+        return np.asarray(self._of_each @ np.dot(self._flat, v).reshape(n, -1)).reshape(-1, D, *v.shape[1:])
 
     def against(self, X: Array) -> Array:
         """(m, …) sums over samples and joints of (N, D, …)."""
         n, D, _ = self.values.shape
         own = np.asarray(self.shares @ X.reshape(len(X), -1)).reshape(n * D, *X.shape[2:])
-        return np.asarray(self._flat.T @ own)
+        return np.asarray(np.dot(self._flat.T, own))
 
     def sums(self, weight: Array, spans: Sequence[slice]) -> Array:
         """(m, L, D) sums of w V over the samples of each of L spans. weight: (N, D)."""
@@ -109,7 +109,7 @@ class Nuisances:
         """(P, P) Aᵀ w A⊥ = Aᵀ w A - Σ γ/W SᵀS - Tᵀ (1 + Vᵀ w V°)⁻¹ T, S sums of w A by log and joint, T = Vᵀ w A°."""
         weighed, P = _beside(self.weight, A) * A, A.shape[2]
         sums = self._by_log(weighed)
-        H = weighed.reshape(-1, P).T @ A.reshape(-1, P)
+        H = np.dot(weighed.reshape(-1, P).T, A.reshape(-1, P))
         if self.doubted:
             H -= self._likeliest(sums).reshape(-1, P).T @ sums.reshape(-1, P)
         if self.added is not None:

@@ -57,7 +57,7 @@ def _through(c: Array, g: Array) -> Array:
     both_ways = np.full(len(waves), 2.0 / length)
     both_ways[[0] if length % 2 else [0, -1]] = 1.0 / length
     spectrum = ((2.0 * rfft(c, length).real - c[0]) * both_ways)[:, None]
-    return np.asarray(sum(part.T @ (spectrum * part) for part in (waves.real, waves.imag)))
+    return np.asarray(sum(np.dot(part.T, spectrum * part) for part in (waves.real, waves.imag)))
 
 
 def _lagged(x: Array) -> Array:

@@ -156,6 +156,12 @@ def test_ids_stay_unique_captions_complete_and_nothing_is_asked_of_the_world(rep
     assert numbers == list(range(1, len(numbers) + 1))
 
 
+def test_sections_come_in_the_order_that_the_head_of_the_page_names_them(report: str) -> None:
+    named = re.findall(r'<li><a href="#([^"]*)"', report)
+    assert len(named) >= 6
+    assert named == sorted(named, key=lambda each: report.index(f'id="{each}"'))
+
+
 def test_drawings_take_their_colours_from_the_page(report: str) -> None:
     drawn = "".join(re.findall(r"<svg.*?</svg>", section(report), re.S))
     assert not re.search(r"#[0-9a-f]{6}\b", drawn)

@@ -12,7 +12,7 @@ import pytest
 from pypdf import PdfReader
 
 from exogauge.studies.report import summary_page as made_by
-from exogauge.studies.report.page_model import Page, Table
+from exogauge.studies.report.page_model import Page, Table, plain
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_figure import units_of
 from exogauge.studies.report.summary_page import SCALES, SummaryPage, summary_page
@@ -305,3 +305,18 @@ def test_a_joint_that_slides_is_told_in_newtons(content: dict[str, Any]) -> None
     assert units_of(content["support"]) == "N·m"
     assert units_of(entries) == "N"
     assert units_of([content["support"][0], entries[1]]) == "N·m, N"
+
+
+@pytest.mark.parametrize("most", range(40, 90))
+def test_a_sentence_that_is_cut_ends_with_a_word(most: int) -> None:
+    text = "Cannot judge: a knee stands above the noise; take zeros hanging; measure via points to 2 mm; state it."
+    cut = plain(text, most)
+    assert len(cut) <= most
+    assert cut.endswith("…")
+    assert text.startswith(kept := cut.removesuffix("…").rstrip())
+    assert not text[len(kept)].isalnum(), "cut within a word"
+    assert 2 * len(cut) > most
+
+
+def test_what_has_no_words_is_cut_where_it_is_full() -> None:
+    assert plain("left_shoulder_pitch_joint", 10) == "left_shou…"

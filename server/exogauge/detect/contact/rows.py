@@ -14,7 +14,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.settings import Recording
 from exogauge.robots.cuts import in_sensor
-from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.rows import RowType
 from exogauge.robots.tree import RigidTree
 from exogauge.search.score import residual_memory
@@ -68,7 +68,7 @@ def force_columns(model: RobotModel, rows: LogRows) -> Iterator[Array]:
     the rows."""
     robot, equations, tree = model.robot, model.equations, model.robot.tree
     motion = rows.prepared.motion.rows(rows.prepared.kept)
-    sweep, carried = Kinematics(tree).sweep(motion), subtree(tree)
+    sweep, carried = Kinematics(tree).sweep(motion), tree.subtree
     n, told = len(rows.time), robot.rows.told
     to_axes = np.linalg.inv(robot.axes_from_joints).T
     middle = middles(tree)

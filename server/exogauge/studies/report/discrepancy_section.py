@@ -120,8 +120,8 @@ class ChangeRow:
 @final
 @dataclass(frozen=True)
 class DiscrepancyView:
-    """channels: `torques`, or `channels` where other readings were looked at too. drawn: number of figures. at_floor:
-    nothing is left above the noise, and enough was seen to say so."""
+    """channels: `torques`, or `channels` where other readings were looked at too. at_floor: nothing is left
+    above the noise, and enough was seen to say so."""
 
     verdict: str
     at_floor: bool
@@ -140,7 +140,6 @@ class DiscrepancyView:
     unchanged: tuple[ChangeRow, ...]
     lineage: tuple[tuple[str, str, str], ...]
     notes: tuple[str, ...]
-    drawn: int
 
 
 def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> DiscrepancyView | None:
@@ -169,7 +168,6 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         unchanged=tuple(_change(each) for each in found.before_after if not moves(each.before, each.after)),
         lineage=tuple((each.version, each.parent or "–", _added(each)) for each in found.lineage),
         notes=tuple(dict.fromkeys(map(note_words, found.notes))),
-        drawn=len(findings) + (chain is not None) + (wear_chain is not None),
     )
 
 

@@ -116,7 +116,8 @@ class Page:
 
 
 def plain(text: str, most: int) -> str:
-    """On one line, at most so many characters, without marks that would hide or turn round what follows.
+    """On one line, at most so many characters, without marks that would hide or turn round what follows. Where it is
+    cut, it ends with a clause or at least with a word, if that leaves three quarters of it.
 
     Signs of double width count twice.
     """
@@ -129,7 +130,9 @@ def plain(text: str, most: int) -> str:
         if room < 0:
             break
         kept += sign
-    return f"{kept.rstrip()}…"
+    ends = [kept.rfind(end) + len(end) for end in ("; ", ". ", " ")]
+    whole = next((end for end in ends if 4 * end > 3 * len(kept)), len(kept))
+    return f"{kept[:whole].rstrip()}…" if whole == len(kept) else f"{kept[:whole].rstrip()} …"
 
 
 def _width(sign: str) -> int:

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.kinematics import forward, joint_motions, subtree
+from exogauge.robots.kinematics import forward, joint_motions
 from exogauge.robots.motion import Motion
 from exogauge.robots.tree import RigidTree
 
@@ -57,7 +57,7 @@ def _centres(tree: RigidTree, rotation: Array, position: Array) -> Array:
     """(N, 3) [m] centre of mass of all that each body carries, base frame; of the bodies' origins where no mass is."""
     mass = tree.phi[:, 0]
     moment = np.einsum("nij,nj->ni", rotation, tree.phi[:, 1:4]) + mass[:, None] * position
-    carried = subtree(tree).astype(np.float64)
+    carried = tree.subtree.astype(np.float64)
     whole = carried @ mass
     places = carried @ position / carried.sum(axis=1)[:, None]
     weighed = whole > 0.0
