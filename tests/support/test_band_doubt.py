@@ -271,7 +271,7 @@ def test_what_one_log_errs_by_is_in_all_from_which_it_was_taken_off(shared):
     nobody = {"used": np.ones((n, 1), dtype=bool), "sloped": np.zeros(0, dtype=int), "slope": None}
     time, posture, kept = np.arange(n) / rate, np.zeros((n, 1)), np.arange(n)
     errors, stated = [], []
-    for _ in range(60):
+    for _ in range(200):
         left = minus_one_partner(rng, lags, n, shared=shared)
         logs = WearLogs(
             [
@@ -286,4 +286,4 @@ def test_what_one_log_errs_by_is_in_all_from_which_it_was_taken_off(shared):
         errors.append(float(np.einsum("ndp,nd->p", A, e)[0]))
         stated.append(score_covariance(logs, e, A)[0, 0])
     ratio = np.sqrt(np.mean(np.square(errors)) / np.median(stated))
-    assert 0.75 < ratio < 1.2
+    assert 0.8 < ratio < 1.1
