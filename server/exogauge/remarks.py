@@ -82,6 +82,7 @@ class About(StrEnum):
     REPETITIONS_DISAGREE = "repetitions_disagree"
     STROKES_DISAGREE = "strokes_disagree"
     PULLS_DISAGREE = "pulls_disagree"
+    RELAXATION = "relaxation"
     SIDES_DISAGREE = "sides_disagree"
     LENGTHS_DISAGREE = "lengths_disagree"  # the parts; -; -; difference of natural length and its doubt [m]
     HALVES_DISAGREE = "halves_disagree"  # the parts; -; -; difference of natural length and its doubt [m]

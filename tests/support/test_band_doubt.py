@@ -17,7 +17,7 @@ from exogauge.support.band_doubt import blocks, score_covariance
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import band_wires, rows_with
+from exogauge.support.band_rows import WearLog, WearLogs, band_wires, rows_with
 from exogauge.support.coloured import autocovariance
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.evidence import Nothing
@@ -247,3 +247,43 @@ def test_how_the_device_sits_is_no_column_where_the_samples_tell_nothing_of_it(b
     nothing = replace(setting, weight=1e-9 * setting.weight)
     beside = replace(nothing, added=nuisance_torques(nothing, found)).nuisances
     np.testing.assert_array_equal(beside.without(found.e), found.e)
+
+
+def minus_one_partner(rng, lags, n=800, memory=12, shared=True):
+    """Errors of logs from which the same log was taken off, of unit variance each."""
+    kept = 1.0 - 1.0 / memory
+
+    def noise(size):
+        return lfilter([np.sqrt(1.0 - kept**2)], [1.0, -kept], rng.normal(size=size + 200))[200:]
+
+    partner = noise(n + max(lags))
+    return [noise(n) - (partner[lag : lag + n] if shared else noise(n)) for lag in lags]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shared", [True, False])
+def test_what_one_log_errs_by_is_in_all_from_which_it_was_taken_off(shared):
+    """A slope that is alike in three logs: their sum errs by thrice the partner, whose variance is nine times, not
+    thrice, its own. And not where each had a partner of its own."""
+    rng, lags, n, rate = np.random.default_rng(3), (0, 30, 75), 800, 40.0
+    wave = np.sin(2.0 * np.pi * np.arange(n + max(lags)) / 300.0)
+    A = np.concatenate([wave[lag : lag + n] for lag in lags])[:, None, None]
+    nobody = {"used": np.ones((n, 1), dtype=bool), "sloped": np.zeros(0, dtype=int), "slope": None}
+    time, posture, kept = np.arange(n) / rate, np.zeros((n, 1)), np.arange(n)
+    errors, stated = [], []
+    for _ in range(200):
+        left = minus_one_partner(rng, lags, n, shared=shared)
+        logs = WearLogs(
+            [
+                WearLog(f"{k}", "any", time, posture, kept, e[:, None], **nobody, ahead=lag / rate,
+                        partner="plain" if shared else f"plain {k}")
+                for k, (e, lag) in enumerate(zip(left, lags, strict=True))
+            ],
+            np.arange(1),
+            ["joint"],
+        )  # fmt: skip
+        e = logs.torque
+        errors.append(float(np.einsum("ndp,nd->p", A, e)[0]))
+        stated.append(score_covariance(logs, e, A)[0, 0])
+    ratio = np.sqrt(np.mean(np.square(errors)) / np.median(stated))
+    assert 0.8 < ratio < 1.1

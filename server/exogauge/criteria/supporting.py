@@ -92,6 +92,13 @@ class Supporting:
         "a fit that is right to a per cent need not withstand",
         judgement(RULES),
     )
+    small: float = criterion(
+        1.0 / 3.0,
+        "std",
+        "of what is told, by which parts of the evidence may differ however surely: as squares add up, that would add "
+        "a twentieth to the doubt",
+        derived("√(1 + 1/9) = 1.054"),
+    )
     not_of_bands: float = criterion(
         0.5,
         "1",

@@ -63,10 +63,11 @@ class BandEstimate:
 class CrossCheck:
     """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
 
-    check: `approaches`, `repetitions`, `strokes`, `pulls`, `sides` or `misfit`; of `halves` the two numbers are the
-    natural length of a band [m] in the halves of a log; `repetitions` and `strokes` have such numbers [m] beside them,
-    of one stiffness. between: names of the parts.
-    difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
+    check: `approaches`, `repetitions`, `strokes`, `pulls`, `relaxation`, `sides` or `misfit`; of `halves` the two
+    numbers are the natural length of a band [m] in the halves of a log; `repetitions` and `strokes` have such numbers
+    [m] beside them, of one stiffness. between: names of the parts.
+    difference: first minus second, std: of that, what both share taken off. limit: of z, beyond which they disagree, if
+    the difference is more than `small`.
     misfit: by how much the stiffness may be off for what its springs leave, and its doubt.
     """
 
@@ -77,6 +78,7 @@ class CrossCheck:
     std: float
     limit: float = math.inf
     unit: str = "N/m"
+    small: float = 0.0
 
     @property
     def z(self) -> float:
@@ -84,7 +86,7 @@ class CrossCheck:
 
     @property
     def agrees(self) -> bool:
-        return abs(self.z) <= self.limit
+        return abs(self.z) <= self.limit or abs(self.difference) <= self.small
 
 
 @final

@@ -14,7 +14,7 @@ from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import Moves, scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_rows import WearLogs
-from exogauge.support.coloured import by_autocovariance, larger
+from exogauge.support.coloured import by_autocovariance, by_what_is_shared, larger
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -61,7 +61,7 @@ def contributions(
     if setting.logs.zero_std.any():
         found[TORQUE_ZERO] = setting.nuisances.score_of_offsets(weighted)
     if null is not None:
-        n = _null_score(null, fitted)
+        n = null_score(null, columns(null.logs, null.wires, fitted.wear))
         found[NULL_TEST] = np.outer(n, n)
     found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted, moves).items()}
     inverse = inverted(fitted.hessian)
@@ -85,22 +85,55 @@ def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
     held the truth in 85 draws of 100. The autocovariance of the residuals takes errors to be alike throughout a log,
     and has no such bias where they are.
     """
-    number = blocks(logs, e)
-    scores = np.add.reduceat(np.einsum("ndp,nd->np", weighted, e), np.flatnonzero(np.diff(number, prepend=-1)), axis=0)
+    number, each = blocks(logs, e), np.einsum("ndp,nd->np", weighted, e)
+    scores = np.zeros((int(number.max(initial=-1)) + 1, each.shape[1]))
+    np.add.at(scores, number, each)
     by_blocks = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
-    return larger(by_blocks, by_autocovariance(logs.spans, logs.used, e, weighted))
+    alone = by_autocovariance(logs.spans, logs.used, e, weighted)
+    shared = by_what_is_shared(_beside_each_other(logs), logs.used, e, weighted)
+    return larger(larger(by_blocks, alone), alone + shared)
 
 
 def blocks(logs: WearLogs, e: Array) -> IntArray:
-    """(N,) consecutive samples of a log that are long against the residual's memory share a number."""
+    """(N,) consecutive samples of a log that are long against the residual's memory share a number; so do those of logs
+    from which the same moments of another log were taken off: that one's errors are in all of them."""
     numbers, start = np.zeros(len(logs.log), dtype=np.intp), 0
-    for own in logs.spans:
-        used, time = logs.used[own], logs.time[own]
-        rate = (len(time) - 1) / max(float(time[-1] - time[0]), 1e-9)
-        left = np.where(used, e[own], 0.0)[:, used.any(axis=0)]
-        numbers[own] = start + np.arange(len(time)) // (block_length(left, rate)[0] if left.shape[1] else len(time))
-        start = int(numbers[own][-1]) + 1
-    return numbers
+    for group in logs.partners:
+        longest, begins = 0.0, [_begins(logs, k) for k in group]
+        for k in group:
+            own = logs.spans[k]
+            used, rate = logs.used[own], _rate(logs, own)
+            left = np.where(used, e[own], 0.0)[:, used.any(axis=0)]
+            length = block_length(left, rate)[0] if left.shape[1] else len(left)
+            longest = max(longest, length / rate)
+        for k in group:
+            own = logs.spans[k]
+            since = logs.time[own] + logs.logs[k].ahead - min(begins)
+            numbers[own] = start + np.floor(since / max(longest, 1e-9) + 1e-6).astype(np.intp)
+        start = int(max(numbers[logs.spans[k]].max(initial=start - 1) for k in group)) + 1
+    return np.asarray(np.unique(numbers, return_inverse=True)[1], dtype=np.intp)
+
+
+def _beside_each_other(logs: WearLogs) -> list[list[tuple[slice, int]]]:
+    """As `by_what_is_shared` asks: of logs that were kept at one rate."""
+    found = list[list[tuple[slice, int]]]()
+    for group in logs.partners:
+        rates, begins = ([of(logs, k) for k in group] for of in (lambda logs, k: _rate(logs, logs.spans[k]), _begins))
+        if len(group) > 1 and max(rates) < 1.01 * min(rates):
+            at = [round((begin - min(begins)) * rates[0]) for begin in begins]
+            found.append([(logs.spans[k], each) for k, each in zip(group, at, strict=True)])
+    return found
+
+
+def _begins(logs: WearLogs, k: int) -> float:
+    """[s] in its partner, where the first kept sample of a log is."""
+    return float(logs.time[logs.spans[k]][0]) + logs.logs[k].ahead
+
+
+def _rate(logs: WearLogs, own: slice) -> float:
+    """[Hz] of the kept samples."""
+    time = logs.time[own]
+    return (len(time) - 1) / max(float(time[-1] - time[0]), 1e-9)
 
 
 def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Array]]:
@@ -138,7 +171,8 @@ def _through(g: NDArray[np.float32], slope: NDArray[np.float32]) -> Array:
     return np.asarray((g.T @ slope.reshape(len(g), -1)).astype(np.float64))
 
 
-def _null_score(null: Setting, fitted: Fitted) -> Array:
-    """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
-    A, weight = columns(null.logs, null.wires, fitted.wear), null.logs.share[:, None] * null.weight
+def null_score(null: Setting, A: Array) -> Array:
+    """(P,) Σ A⊥ᵀ w τ on the logs without the wear, each counted as often as it stands for one with it. A: (N, D, P)
+    there."""
+    weight = null.logs.share[:, None] * null.weight
     return np.asarray(np.einsum("ndp,nd,nd->p", A, weight, null.nuisances.without(null.logs.torque)))

@@ -38,7 +38,8 @@ class WearLog:
     declared uncertainty -> (m, D, K) [N·m] one standard deviation each of what is this log's own.
     session: the same of what all logs have in common. anew: as of `Inputs`.
     share: how many logs with the wear it stands for. zero_std: (D,) [N·m] of a constant torque that is this log's own;
-    None: there is none.
+    None: there is none. partner: the log that was taken off it, if one was; ahead: [s] time in that one when this one
+    begins.
     """
 
     name: str
@@ -56,6 +57,8 @@ class WearLog:
     session: ByName = field(default_factory=dict)
     anew: frozenset[str] = frozenset()
     zero_std: Array | None = None
+    partner: str = ""
+    ahead: float = 0.0
 
     @property
     def inputs(self) -> tuple[NDArray[np.float32], ...]:
@@ -126,6 +129,12 @@ class WearLogs:
     def clock(self) -> Array:
         """(N,) [s] with all logs laid end to end."""
         return np.asarray(self.time + self.starts[self.log])
+
+    @property
+    def partners(self) -> tuple[tuple[int, ...], ...]:
+        """Places of logs from which the same log was taken off, by that log; any other log is alone."""
+        of = [each.partner or f"{each.name}/{k}" for k, each in enumerate(self.logs)]
+        return tuple(tuple(k for k, own in enumerate(of) if own == name) for name in dict.fromkeys(of))
 
     @cached_property
     def block(self) -> IntArray:
@@ -225,6 +234,9 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
     dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
     torque, used = evidence.a_priori if approach == "prior" else evidence.b, evidence.steady
     inputs = evidence.inputs({"A": "a", "paired": "paired"}.get(approach, "b"))
+    partner, ahead = "", 0.0
+    if approach in ("A", "paired") and evidence.reference is not None and evidence.found is not None:
+        partner, ahead = evidence.reference, evidence.found.lag_s
     if approach == "A":
         assert evidence.a is not None
         torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
@@ -248,6 +260,8 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
         session=inputs.session,
         anew=inputs.anew,
         low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
+        partner=partner,
+        ahead=ahead,
     )
 
 

@@ -20,15 +20,50 @@ def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weigh
     for span in spans:
         used, errors = counts[span][:, felt], e[span][:, felt]
         c = _autocovariances(np.where(used, errors, 0.0).T, used.T)
-        length = next_fast_len(len(used) + max((len(each) for each in c), default=0), real=True)
-        waves = rfft(weighted[span][:, felt], length, axis=0)
-        both_ways = np.full(len(waves), 2.0 / length)
-        both_ways[[0] if length % 2 else [0, -1]] = 1.0 / length
         for joint, own in enumerate(c):
-            spectrum = (2.0 * rfft(own, length).real - own[0]) * both_ways
-            for part in (waves[:, joint].real, waves[:, joint].imag):
-                total += np.dot(part.T, spectrum[:, None] * part)
+            total += _through(own, weighted[span][:, felt[joint]])
     return 0.5 * (total + total.T)
+
+
+def by_what_is_shared(
+    groups: Sequence[Sequence[tuple[slice, int]]], counts: BoolArray, e: Array, weighted: Array
+) -> Array:
+    """The same of pairs of different logs, Σ gᵢᵀ C gⱼ, where the same log was taken off both: its errors are in both at
+    the same moments of it. groups: spans of such logs, and the sample of their partner that each begins at."""
+    P = weighted.shape[2]
+    total = np.zeros((P, P))
+    for group in groups:
+        n = max(at + span.stop - span.start for span, at in group)
+        for joint in np.flatnonzero(weighted.any(axis=(0, 2))):
+            errors, used, g = np.zeros((len(group), n)), np.zeros((len(group), n)), np.zeros((len(group), n, P))
+            for k, (span, at) in enumerate(group):
+                place = slice(at, at + span.stop - span.start)
+                used[k, place] = counts[span, joint]
+                errors[k, place] = np.where(counts[span, joint], e[span, joint], 0.0)
+                g[k, place] = weighted[span, joint]
+            products, pairs = (_lagged(each.sum(axis=0)) - np.sum([_lagged(x) for x in each], axis=0)
+                               for each in (errors, used))  # fmt: skip
+            c = products / np.maximum(pairs, 1.0)
+            c = c[: int(np.argmin(np.append(c, -1.0) > 0.0))]
+            if len(c):
+                total += _through(c, g.sum(axis=0)) - np.sum([_through(c, own) for own in g], axis=0)
+    return 0.5 * (total + total.T)
+
+
+def _through(c: Array, g: Array) -> Array:
+    """(P, P) gᵀ C g. c: (lags,) of the errors; g: (n, P)."""
+    length = next_fast_len(len(g) + len(c), real=True)
+    waves = rfft(g, length, axis=0)
+    both_ways = np.full(len(waves), 2.0 / length)
+    both_ways[[0] if length % 2 else [0, -1]] = 1.0 / length
+    spectrum = ((2.0 * rfft(c, length).real - c[0]) * both_ways)[:, None]
+    return np.asarray(sum(np.dot(part.T, spectrum * part) for part in (waves.real, waves.imag)))
+
+
+def _lagged(x: Array) -> Array:
+    """(lags,) Σ x(t) x(t + lag), up to half of x (n,)."""
+    n = len(x)
+    return np.asarray(np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[: max(n // 2, 1)])
 
 
 def of_one_log(counts: BoolArray, e: Array, weighted: Array) -> Array:

@@ -3,6 +3,9 @@
 The springs of the fit are let differ between two parts, everything else is kept, and one Gauss-Newton step from the
 common fit says by how much they do: with the columns split in two, A = (A₁, A₂), δ = H₁⁻¹ A₁ᵀ w e - H₂⁻¹ A₂ᵀ w e. All
 doubts of the fit go through the same split columns, so that what both parts share (a gain, a via point) is taken off.
+
+Whether bands harden, soften or let go with time is asked by a column of that law beside the springs, in the same way: a
+split into halves would have to find natural lengths anew in each, and sees far less.
 """
 
 from __future__ import annotations
@@ -21,8 +24,10 @@ from exogauge.criteria.criterion import Z95
 from exogauge.criteria.supporting import Supporting
 from exogauge.devices.device import Band
 from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
+from exogauge.effects.band import BandEffect
+from exogauge.effects.catalogue import band_effects
 from exogauge.remarks import About, Remark
-from exogauge.support.band_doubt import contributions, inverted
+from exogauge.support.band_doubt import NULL_TEST, contributions, inverted, null_score
 from exogauge.support.band_fit import BandFit
 from exogauge.support.band_inputs import BandInputs, Moves
 from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
@@ -37,6 +42,7 @@ SAID = {
     "repetitions": About.REPETITIONS_DISAGREE,
     "strokes": About.STROKES_DISAGREE,
     "pulls": About.PULLS_DISAGREE,
+    "relaxation": About.RELAXATION,
     "sides": About.SIDES_DISAGREE,
     "misfit": About.SPRINGS_MISFIT,
     "halves": About.HALVES_DISAGREE,
@@ -44,6 +50,7 @@ SAID = {
 OF_THE_BANDS = SAID.keys() - {"approaches", "repetitions"}  # what fails these by A and paired is the device's
 LENGTHENING, SHORTENING = "lengthening", "shortening"
 HARD, SOFT = "hard", "soft"
+AT_ONCE = "at once"
 WITHOUT = "without the device"
 
 
@@ -52,10 +59,10 @@ def within(
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, natural lengths in its first half against those in its second,
     bands that lengthen against the same that shorten (both by their lengths too, each and all together, with one
-    stiffness for both), their harder half of pulls against the softer, bands of a group against each other, what they
-    leave against what there is without. robot: as in `contributions`. sigma: (D,) [N·m] there, of the first joints of
-    the fit: of further ones it is not known, and what is left on them is not held against it. std: (W,) stated of each
-    band. What the motions cannot tell apart is not compared."""
+    stiffness for both), their harder half of pulls against the softer, pulls at once against the same some time later,
+    bands of a group against each other, what they leave against what there is without. robot: as in `contributions`.
+    sigma: (D,) [N·m] there, of the first joints of the fit: of further ones it is not known, and what is left on them
+    is not held against it. std: (W,) stated of each band. What the motions cannot tell apart is not compared."""
     wear, logs = seen.fitted.wear, seen.setting.logs
     layout = wear.layout.stiffness
     members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
@@ -83,15 +90,12 @@ def within(
                 between = (f"{band}, first half of {log.name}", "second half")
                 found[place] += halves.moved_alike([length], ("halves", bands[own[0]].group, between), null)
     for place, own in members.items():
-        rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
+        rate = _rate(seen.setting, own)
         said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
-        parts = apart.by_samples(rate > 0.0)
-        found[place] += (*parts.springs(place, said, null), *parts.lengths(place, lengths_of(own), said, null))
-        pull = np.sum([wear.k[k] * np.maximum(seen.setting.wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
-        said = ("pulls", bands[own[0]].group, (HARD, SOFT))
-        if np.any(pull > 0.0):
-            hard = pull > np.median(pull[pull > 0.0])
-            found[place] += apart.by_samples(hard).springs(place, said, null)
+        parts = apart.by_samples(rate > 0.0, without=None if seen.null is None else _rate(seen.null, own) > 0.0)
+        told = np.zeros_like(null)  # it was split
+        found[place] += (*parts.springs(place, said, told), *parts.lengths(place, lengths_of(own), said, told))
+        found[place] += apart.by_laws(own, bands[own[0]].group)
     known = slice(len(sigma))
     excess = np.sqrt(np.maximum(rms(logs, seen.fitted.e)[known] ** 2 - criteria.misfit * sigma**2, 0.0))
     slopes = seen.setting.nuisances.without(seen.fitted.A)
@@ -127,19 +131,57 @@ class _Apart:
     robot: Mapping[str, Array]
     moves: Moves
 
-    def by_samples(self, first: BoolArray, second: BoolArray | None = None) -> _Split:
+    def by_samples(self, first: BoolArray, second: BoolArray | None = None, without: BoolArray | None = None) -> _Split:
         """first, second: (N,) samples of two parts; where there is no second, the others are. What is in neither has
         springs of its own.
 
-        What logs without the device say is not split: each part is taken to err by all of it, independently.
+        without: (N,) samples of the logs without the device that are of the first part: what is found there between
+        both parts is no device's. Where they cannot be split, each part is taken to err by all of it, independently.
         """
-        fitted = self.seen.fitted
+        fitted, null = self.seen.fitted, self.seen.null
         S = len(fitted.wear.springs)
         springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
         neither = ~first if second is None else ~(first | second)
         parts = [first, neither] if second is None else [first, second, *([neither] if neither.any() else [])]
         A = np.concatenate([*(springs * part[:, None, None] for part in parts), more], axis=2)
-        return self._split(self.open, fitted, A, None)
+        found = self._split(self.open, fitted, A, None)
+        if null is None or without is None:
+            return found
+        bare = columns(null.logs, null.wires, fitted.wear)
+        both = [bare[:, :, :S] * part[:, None, None] for part in (without, ~without)]
+        return replace(found, null_score=null_score(null, np.concatenate([*both, bare[:, :, S:]], axis=2)))
+
+    def by_laws(self, own: Sequence[int], group: str) -> Iterator[CrossCheck]:
+        """Bands `own` that harden or soften: slope of the pull [N/m] at their harder pulls less that at the softer. And
+        that let go: by how much they are stiffer [N/m] at once than after each of some times. Nothing of a law that is
+        fitted beside the springs."""
+        wear, wires = self.seen.fitted.wear, self.seen.setting.wires
+        named = {each.effect.name for each in wear.added if each.wire in own}
+        stretch = np.mean([np.maximum(wires[k].length - wear.l_0[k], 0.0) for k in own], axis=0)
+        taut = stretch[stretch > 0.0]
+        hardening, relaxation = (band_effects()[name] for name in ("band_hardening", "band_relaxation"))
+        if len(taut) and hardening.name not in named:
+            hard = taut > np.median(taut)
+            power, apart = 2.0, float(taut[hard].mean() - taut[~hard].mean()) if hard.any() else 0.0
+            yield from self._by_law(own, hardening, (power,)).value(("pulls", group, (HARD, SOFT)), power * apart)
+        if len(taut) and relaxation.name not in named:
+            for time in relaxation.shapes[0].grid:
+                said = ("relaxation", group, (AT_ONCE, f"after {time:g} s"))
+                yield from self._by_law(own, relaxation, (time,)).value(said, 1.0)
+
+    def _by_law(self, own: Sequence[int], effect: BandEffect, shape: tuple[float, ...]) -> _Split:
+        """A law beside the springs, of these bands alike: its first coefficient, behind all other values."""
+
+        def added(setting: Setting) -> Array:
+            each = [setting.wires[k].columns(effect, shape, *self.seen.fitted.wear.spring(k)) for k in own]
+            return np.asarray(np.sum(each, axis=0)[:, :, :1])
+
+        fitted, null = self.seen.fitted, self.seen.null
+        found = self._split(self.open, fitted, np.concatenate([fitted.A, added(self.seen.setting)], axis=2), None)
+        if null is None:
+            return found
+        both = [columns(null.logs, null.wires, fitted.wear), added(null)]
+        return replace(found, null_score=null_score(null, np.concatenate(both, axis=2)))
 
     def by_bands(self, bands: Sequence[Band]) -> _Split:
         """Every band its own stiffness."""
@@ -157,12 +199,14 @@ class _Apart:
 @final
 @dataclass(frozen=True)
 class _Split:
-    """The fit with more values than it had. split: its columns, at the errors of the common fit."""
+    """The fit with more values than it had. split: its columns, at the errors of the common fit. null_score: (P,) of
+    these columns, where the fit's own does not tell it."""
 
     seen: BandFit
     split: Fitted
     robot: Mapping[str, Array]
     moves: Moves
+    null_score: Array | None = None
 
     def springs(self, place: int, said: Said, beside: Array) -> Iterator[CrossCheck]:
         """One spring, split in two. beside: (P, P) what each part errs by besides."""
@@ -197,6 +241,13 @@ class _Split:
             if told > 0.0:
                 yield CrossCheck(*said, float(weighed @ contrast.T @ step) / told, told**-0.5, unit="m")
 
+    def value(self, said: Said, factor: float) -> Iterator[CrossCheck]:
+        """The last value, times a factor; nothing where the data hold nothing of it."""
+        contrast = np.zeros(len(self.split.hessian))
+        contrast[-1] = factor
+        if factor > 0.0 and self._told(contrast, [len(contrast) - 1]):
+            yield self._held(contrast, said)
+
     def _in_both(self, place: int) -> bool:
         """Both parts hold something of a spring."""
         A, other = self.split.A, place + len(self.split.wear.springs)
@@ -215,9 +266,12 @@ class _Split:
         contrast[one], contrast[other] = 1.0, -1.0
         if not self._told(contrast, [one, other]):
             return
+        yield self._held(contrast, said, beside)
+
+    def _held(self, contrast: Array, said: Said, beside: float = 0.0) -> CrossCheck:
         step, shares = self._step
         variance = sum(float(contrast @ each @ contrast) for each in shares.values()) + beside**2
-        yield CrossCheck(*said, float(contrast @ step), float(np.sqrt(max(variance, 0.0))))
+        return CrossCheck(*said, float(contrast @ step), float(np.sqrt(max(variance, 0.0))))
 
     @cached_property
     def _size(self) -> Array:
@@ -237,7 +291,11 @@ class _Split:
         step = np.linalg.lstsq(split.hessian * np.outer(size, size), size * score, rcond=1e-12)[0] * size
         explained = setting.nuisances.without(split.A @ step)
         let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
-        return step, contributions(setting, let_differ, self.robot, self.seen.null, self.moves)
+        shares = contributions(setting, let_differ, self.robot, self.seen.null, self.moves)
+        if self.null_score is not None:
+            moved = inverted(split.hessian) @ self.null_score
+            shares[NULL_TEST] = np.outer(moved, moved)
+        return step, shares
 
 
 def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int, float]:
@@ -247,6 +305,11 @@ def _misfit(weight: Array, a: Array, beside: Array, excess: Array) -> tuple[int,
     excess: (D,) [N·m] RMS."""
     parts = np.sqrt(np.sum(weight * beside**2, axis=0) * np.sum(weight, axis=0)) * excess
     return int(np.argmax(parts)), float(np.sum(parts) / max(float(np.sum(weight * a * beside)), 1e-300))
+
+
+def _rate(setting: Setting, own: Sequence[int]) -> Array:
+    """(N,) [m/s] at which bands lengthen, together."""
+    return np.asarray(np.sum([setting.wires[k].rate for k in own], axis=0))
 
 
 def _null_of_fit(seen: BandFit) -> Array:
@@ -264,7 +327,8 @@ def _believing_nothing(setting: Setting) -> Setting:
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:
     """With the approaches held against each other, all checks of a device at one level, and what fails no longer
-    identifiable: by the approach that sees it, and by every other one that cannot say that it is not so."""
+    identifiable: by the approach that sees it, and by every other one that cannot say that it is not so. What is small
+    beside the stated doubt fails nothing, however sure it is: no two runs are quite alike."""
     result = list(found)
     for device in dict.fromkeys(each.device for each in found):
         own = [k for k, each in enumerate(found) if each.device == device and each.approach != "prior"]
@@ -275,8 +339,9 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
         for k in own:
             inside = [each for each in found[k].cross_checks if each.check != "approaches"]
             every = (*inside, *between[k])
-            checks = tuple(each if each.check == "misfit" else replace(each, limit=limit) for each in every)
-            result[k] = replace(found[k], cross_checks=checks)
+            small = {group: criteria.small * doubt for group, doubt in _doubts(found[k]).items()}
+            checks = (each if each.check == "misfit" else replace(each, limit=limit) for each in every)
+            result[k] = replace(found[k], cross_checks=tuple(_allowed(each, small[each.group]) for each in checks))
         failing = {k: [each for each in result[k].cross_checks if not each.agrees] for k in own}
         of_bands = _seen_by_both([failing[k] for k in own if result[k].approach != "B"])
         for k in own:
@@ -287,6 +352,23 @@ def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[Stif
                 against += [(each, result[n].approach) for each in dict.fromkeys(seen)]
             result[k] = replace(result[k], bands=tuple(_told(band, against) for band in result[k].bands))
     return tuple(result)
+
+
+def _doubts(found: StiffnessResult) -> dict[str, Array]:
+    """Group -> its doubt [N/m], and [m] what makes as much of the largest pull, or is the doubt of a length if that is
+    less; 0 where it is not known."""
+    doubts = dict[str, Array]()
+    for band in found.bands:
+        k, l_0 = band.stiffness, band.natural_length
+        as_length = k.std / k.value * (band.longest - l_0.value) if k.value > 0.0 else np.nan
+        own = np.nan_to_num([k.std, min(as_length, l_0.std)], nan=0.0, posinf=0.0, neginf=0.0)
+        doubts[band.group] = np.minimum(doubts.get(band.group, own), np.maximum(own, 0.0))
+    return doubts
+
+
+def _allowed(check: CrossCheck, small: Array) -> CrossCheck:
+    """small: [N/m], [m]. What springs leave has its own bound (`misfit_matters`)."""
+    return check if check.check == "misfit" else replace(check, small=float(small[0 if check.unit == "N/m" else 1]))
 
 
 def _seen_by_both(failing: Sequence[Sequence[CrossCheck]]) -> set[str]:

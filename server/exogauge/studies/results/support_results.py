@@ -255,7 +255,7 @@ def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
         for one in each.cross_checks:
             approach = "" if one.check == "approaches" else each.approach
             key = (each.device, one.check, one.group, frozenset(one.between), one.unit, approach)
-            if key not in worst or abs(one.z) > abs(worst[key][1].z):
+            if key not in worst or (not one.agrees, abs(one.z)) > (not worst[key][1].agrees, abs(worst[key][1].z)):
                 worst[key] = each.approach, one
     return [
         {
@@ -269,6 +269,7 @@ def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
             "unit": one.unit,
             "z": one.z,
             "limit": one.limit,
+            "small": one.small,
             "agrees": bool(one.agrees),
         }
         for key, (approach, one) in worst.items()

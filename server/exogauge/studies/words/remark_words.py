@@ -289,6 +289,11 @@ FORMS: Mapping[About, Form] = {
         "comes taut gradually.",
         joined=" and ",
     ),
+    About.RELAXATION: Form(
+        "The bands pull more {names}, by {0:.3g} ± {1:.2g} N/m. What can do it: straps, cloth or rubber that creep, a "
+        "strap that gives way and comes back, a sensor that lags. The stiffness is another one for each pace.",
+        joined=" than ",
+    ),
     About.SIDES_DISAGREE: Form(
         _DISAGREE + "What can do it: via points that are not where they are stated, bands that are not alike, one that "
         "was put on otherwise, a foot sensor's gain.",

@@ -11,6 +11,7 @@ const CHECK: Record<StiffnessCheck["check"], string> = {
   repetitions: "One log and the others",
   strokes: "Both ways of a motion",
   pulls: "Hard and soft pulls",
+  relaxation: "At once and later",
   sides: "Left and right",
   misfit: "What springs leave",
   halves: "Natural length through a log",

@@ -212,7 +212,7 @@ class StiffnessCheck(Part):
 
     device: str = Field(description="its name")
     approach: Literal["A", "B", "paired"] = Field(description="as in `support`")
-    check: Literal["approaches", "repetitions", "strokes", "pulls", "sides", "misfit", "halves"] = Field(
+    check: Literal["approaches", "repetitions", "strokes", "pulls", "relaxation", "sides", "misfit", "halves"] = Field(
         description="what is compared"
     )
     group: str = Field(description="of bands that share stiffness and law")
@@ -224,7 +224,10 @@ class StiffnessCheck(Part):
     )
     z: Number = Field(description="difference over std")
     limit: Number = Field(description="of |z|")
-    agrees: bool = Field(description="within the limit; where not, the stiffness is not identifiable")
+    small: Number = later("[unit] a difference that fails nothing, however sure: a third of the doubt that is told")
+    agrees: bool = Field(
+        description="within the limit, or no more than `small`; where not, the stiffness is not identifiable"
+    )
 
 
 @final
