@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import io
+import os
 import re
 import subprocess
 import sys
@@ -11,7 +14,8 @@ import pytest
 
 from exogauge import __version__
 from exogauge.cli import main
-from exogauge.errors import BadLog
+from exogauge.client import Client
+from exogauge.errors import BadInput, BadLog
 from exogauge.logs.mapping import read_mapped
 from exogauge.settings import Settings
 from exogauge.storage import migrate
@@ -141,3 +145,61 @@ def test_force_writes_into_a_folder_that_holds_something(tmp_path):
     assert main(["sample", str(tmp_path), "--seed", "1", "--payload", "--force"]) == 0
     assert (tmp_path / "payload.yaml").is_file()
     assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
+def test_where_nothing_can_be_written_is_told_before_the_work(tmp_path, capsys):
+    """A study of minutes had been evaluated by then."""
+    (file := tmp_path / "file").write_text("")
+    for out in (file, file / "below"):
+        for asked in (["run", "nowhere"], ["results", "some-id"], ["payload", "run", "nowhere", "--force"]):
+            assert main([*asked, "--out", str(out)]) == 2
+            said = capsys.readouterr().err
+            assert str(out) in said
+            assert "nowhere" not in said
+
+
+def test_a_disk_that_fills_is_told_without_a_traceback(tmp_path, capsys, monkeypatch):
+    def fill(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "out" / "results.json"))
+
+    monkeypatch.setattr("exogauge.studies.evaluate.evaluate", fill)
+    assert main(["run", "study", "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.endswith("out/results.json: No space left on device\n")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+def test_output_that_nobody_can_take_is_told(tmp_path):
+    code = (
+        "import sys\nfrom exogauge.cli import at_service, main\n"
+        "at_service.list_studies = lambda options: print('a study') or 0\nsys.exit(main(['studies']))"
+    )
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-c", code], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert (ended.returncode, ended.stderr) == (2, "exogauge studies: No space left on device\n")
+
+
+def test_input_that_ends_where_something_is_asked_is_told(capsys, monkeypatch):
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert main(["login", "http://127.0.0.1:9"]) == 2
+    assert "the input had ended" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("url", ["nonsense", "ftp://x", "", "http://[::1", "http://a b/", "http://a:port", "http://"])
+def test_what_is_no_address_is_not_tried_again(url, capsys):
+    assert main(["wait", "some-id", "--server", url or " "]) == 2
+    assert "no address of a service" in capsys.readouterr().err
+    with pytest.raises(BadInput, match="no address"):
+        Client(url)
+
+
+@pytest.mark.parametrize(
+    ("token", "code", "said"),
+    [("exg_ü", 4, "no token has"), ("exg_a\nb", 4, "no token has"), ("exg_a\n", 3, "no answer")],
+)
+def test_a_token_with_foreign_letters_is_told_and_one_from_a_file_is_sent(token, code, said, capsys, monkeypatch):
+    monkeypatch.setattr("exogauge.client.transport.ATTEMPTS", 1)
+    monkeypatch.setenv("EXOGAUGE_TOKEN", token)
+    assert main(["studies", "--server", "http://127.0.0.1:9"]) == code
+    assert said in capsys.readouterr().err

@@ -152,6 +152,11 @@ class Settings(BaseSettings):
         return self.data_dir / "uploads"
 
     @property
+    def private_webhooks(self) -> frozenset[str]:
+        """Names to which webhooks may go although their addresses are private, in small letters."""
+        return frozenset(name.strip().casefold() for name in self.webhook_private_hosts.split(",") if name.strip())
+
+    @property
     def set_up_code(self) -> Path:
         """File with what proves, at the first account, that one runs this server."""
         return self.data_dir / "set-up-code"

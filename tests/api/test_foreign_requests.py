@@ -228,3 +228,16 @@ def test_any_etag_is_what_one_has(client: TestClient, finished_job: str) -> None
     etag = client.get(place).headers["etag"]
     for tags in ("*", f'"a", W/{etag}'):
         assert client.get(place, headers={"If-None-Match": tags}).status_code == 304
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["127.0.0.1", "169.254.169.254", "[::1]", "[::ffff:10.0.0.1]", "0x7f000001", "2130706433", "127.1", "0177.1"],
+)
+def test_a_webhook_to_a_private_number_is_refused_when_it_is_made(client: TestClient, host: str) -> None:
+    """It was taken, and every delivery failed. Names are looked up when something is sent."""
+    hook = {"url": f"https://{host}/hook", "events": ["job.ended"]}
+    (error,) = problem(client.post(f"{V1}/webhooks", json=hook), 422)["errors"]
+    assert (error["code"], error["column"]) == ("webhook_url", "url")
+    for public in ("https://8.8.8.8/hook", "https://hooks.example/"):
+        assert client.post(f"{V1}/webhooks", json=hook | {"url": public}).status_code == 201

@@ -8,11 +8,11 @@ from typing import Annotated, Literal, final
 from fastapi import Response
 from pydantic import BaseModel, Field, StringConstraints
 
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StoreDep, encoded_cursor
 from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, Fault
-from exogauge.upkeep.public_line import LONGEST_URL, Refused, checked
+from exogauge.upkeep.public_line import LONGEST_URL, Refused, checked, refuse_private_number
 
 router = Router(tags=["webhooks"])
 Event = Literal["job.ended", "publication.published", "publication.revoked"]
@@ -81,11 +81,12 @@ def list_webhooks(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> Webhoo
 
 
 @router.post("/webhooks", operation_id="addWebhook", status_code=201)
-def add_webhook(wanted: NewWebhook, store: StoreDep) -> MadeWebhook:
+def add_webhook(wanted: NewWebhook, store: StoreDep, settings: SettingsDep) -> MadeWebhook:
     try:
         checked(wanted.url)
+        refuse_private_number(wanted.url, settings.private_webhooks)
     except Refused as refused:
-        advice = "Name an https address without a password in it."
+        advice = "Name a public https address without a password in it."
         raise BadInput(Fault(str(refused), "webhook_url", advice, column="url", value=wanted.url[:200])) from None
     webhook, secret = store.webhooks.add(wanted.url, wanted.events)
     return MadeWebhook(webhook=WebhookOut.model_validate(webhook), secret=secret)

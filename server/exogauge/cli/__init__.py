@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from exogauge import __version__
 from exogauge.blas_threads import one_thread
 from exogauge.cli import accounts, at_service, blind, labs, motion, payload, sample, service, study, upkeep
-from exogauge.cli.endings import ending_of
-from exogauge.errors import ExogaugeError
+from exogauge.cli.endings import BAD_INPUT, ending_of, told_by_system
+from exogauge.errors import ExogaugeError, no_room
 from exogauge.logbook import keep
 
 
@@ -25,15 +25,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     keep("json" if os.environ.get("EXOGAUGE_LOG") == "json" else "words", level)
     try:
         code: int = options.command(options)
+        if sys.stdout is not None:
+            sys.stdout.flush()  # what cannot be written is told here, and not by Python when it ends
     except ExogaugeError as error:
         print(f"exogauge {options.verb}: {error}", file=sys.stderr)
         return ending_of(error)
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:  # whoever read along has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()
         return 0
+    except EOFError:
+        print(f"exogauge {options.verb}: something was asked for, and the input had ended", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:
+        if error.filename is None and not no_room(error):
+            raise
+        print(f"exogauge {options.verb}: {told_by_system(error)}", file=sys.stderr)
+        if error.filename is None:
+            drop_output()
+        return BAD_INPUT
     return code
+
+
+def drop_output() -> None:
+    """What was not written yet would fail once more when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def parser() -> argparse.ArgumentParser:

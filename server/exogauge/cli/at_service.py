@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from exogauge.cli.accounts import HERE
-from exogauge.cli.endings import BAD_INPUT, INCOMPLETE, Commands
+from exogauge.cli.endings import BAD_INPUT, INCOMPLETE, Commands, refuse_no_folder
 from exogauge.errors import BadInput, Fault
 
 if TYPE_CHECKING:
@@ -186,6 +186,7 @@ def cancel_jobs(options: argparse.Namespace) -> int:
 def show_results(options: argparse.Namespace) -> int:
     from exogauge.client import Client
 
+    refuse_no_folder(options.out)
     with Client(options.server) as client:
         job = client.evaluated(options.of)
         results = client.results(job)

@@ -18,6 +18,7 @@ def refuse_what_is_there(folder: Path, force: bool) -> None:
     if not force and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         advice = "Name a new folder, or add --force to write over what is in it."
         raise BadInput(Fault("it exists and is not an empty folder", "folder_not_empty", advice, str(folder)))
+    refuse_no_folder(folder)
 
 
 def refuse_no_place(out: Path | None) -> None:
@@ -29,6 +30,27 @@ def refuse_no_place(out: Path | None) -> None:
     if not out.parent.is_dir() or not os.access(out.parent, os.W_OK):
         detail = "nothing may be written in its folder" if out.parent.is_dir() else "there is no such folder"
         raise BadInput(Fault(detail, "no_place", "Make it, or name another one with --out", str(out)))
+
+
+def refuse_no_folder(out: Path | None) -> None:
+    """The same for a folder, which is made. Raises BadInput."""
+    if out is None:
+        return
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInput(Fault("this is a file", "no_place", "Name a folder with --out", str(out))) from None
+    except OSError as error:
+        advice = "Name another place with --out"
+        raise BadInput(Fault(f"it cannot be made: {error.strerror}", "no_place", advice, str(out))) from error
+    if not os.access(out, os.W_OK):
+        raise BadInput(Fault("nothing may be written in it", "no_place", "Name another one with --out", str(out)))
+
+
+def told_by_system(error: OSError) -> str:
+    """What this machine does not let a command do: a full disk, a file that is a folder."""
+    place = f"{error.filename}: " if error.filename is not None else ""
+    return f"{place}{error.strerror or type(error).__name__}"
 
 
 def ending_of(error: ExogaugeError) -> int:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from exogauge.cli import at_service
-from exogauge.cli.endings import BAD_INPUT, INCOMPLETE, Commands
+from exogauge.cli.endings import BAD_INPUT, INCOMPLETE, Commands, refuse_no_folder
 
 SHOWN_FINDINGS = 5  # channels of one sort, unless it is an error
 CHANGES = {
@@ -98,6 +98,7 @@ class InOrder(argparse.Action):
 
 def run_study(options: argparse.Namespace) -> int:
     """2 when the data hold no answer for a step behind the identification, 1 when such a step failed unexpectedly."""
+    refuse_no_folder(options.out)
     if options.server:
         return at_service.run_there(options)
     at_service.refuse_what_needs_one(options)

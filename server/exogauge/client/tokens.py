@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 import httpx
 
 from exogauge.client.problems import ClientProblem, NotNow, problem_of
-from exogauge.client.transport import document
+from exogauge.client.transport import address, document
 from exogauge.errors import BadInput, Fault
 
 VARIABLE = "EXOGAUGE_TOKEN"
@@ -56,7 +56,7 @@ def keep(url: str, token: str | None) -> Path:
 def token_by_password(url: str, email: str, password: str, scope: str, lab: str | None, days: int | None) -> str:
     """A new token of the account, for this machine; the session that made it ends. lab: its name, where the account is
     of several."""
-    url = url.rstrip("/")
+    url = address(url)
     refuse_open_line(url)
     page = {"Origin": "{0.scheme}://{0.netloc}".format(urlsplit(url))}
     with httpx.Client(base_url=f"{url}/api/v1/", headers=page, timeout=30.0) as http:

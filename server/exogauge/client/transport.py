@@ -16,10 +16,11 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, BinaryIO, final
+from urllib.parse import urlsplit
 
 import httpx
 
-from exogauge.client.problems import BUSY, NotNow, foreign, problem_of
+from exogauge.client.problems import BUSY, ClientProblem, NotNow, foreign, problem_of
 from exogauge.errors import BadInput, Fault
 
 ATTEMPTS = 7  # in 13 s: a key of a server that was killed is free after 10 s
@@ -38,9 +39,9 @@ class Transport:
         transport: httpx.BaseTransport | None = None,
         token: str | None = None,
     ) -> None:
-        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
-        self._token = token or ""
-        base = url.rstrip("/") + "/api/v1/"
+        self._token = sendable(token)
+        headers = {"Authorization": f"Bearer {self._token}"} if self._token else {}
+        base = address(url) + "/api/v1/"
         self._http = httpx.Client(
             base_url=base, headers=headers, timeout=timeout_s, transport=transport, follow_redirects=False
         )
@@ -164,6 +165,27 @@ class Transport:
 
     def close(self) -> None:
         self._http.close()
+
+
+def address(url: str) -> str:
+    """Of a service, without a slash at its end. Raises BadInput where it is none."""
+    try:
+        parts = urlsplit(url)
+        fits = parts.scheme in ("http", "https") and bool(parts.hostname) and (parts.port or 1) > 0
+    except ValueError:
+        fits = False
+    if not fits or not url.isprintable() or " " in url:
+        advice = "Write http:// or https://, a host, and its port where it has one of its own."
+        raise BadInput(Fault("this is no address of a service", "no_address", advice, value=url[:200]))
+    return url.rstrip("/")
+
+
+def sendable(token: str | None) -> str:
+    """Without the line's end that a file leaves behind it. Raises ClientProblem for what is no token."""
+    token = (token or "").strip()
+    if not (token.isascii() and token.isprintable()):
+        raise ClientProblem(401, "the token is none", "it holds letters that no token has; make a new one")
+    return token
 
 
 def in_flight(response: httpx.Response) -> bool:

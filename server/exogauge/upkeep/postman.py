@@ -38,7 +38,7 @@ class Postman:
 
     def __init__(self, installation: Installation, settings: Settings) -> None:
         self._installation = installation
-        self._private = [name.strip() for name in settings.webhook_private_hosts.split(",") if name.strip()]
+        self._private = settings.private_webhooks
         self._holder = f"{socket.gethostname()[:150]}-{getpid()}-{uuid.uuid4().hex[:8]}"
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="postman", daemon=True)

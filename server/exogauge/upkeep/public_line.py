@@ -48,7 +48,8 @@ class NoAnswer(Exception):
 
 
 def post(url: str, body: bytes, headers: Mapping[str, str], private: Collection[str] = ()) -> int:
-    """The status of the answer; its body is not read. private: names that may have private addresses."""
+    """The status of the answer; its body is not read. private: names in small letters that may have private
+    addresses."""
     checked(url)
     trusted = ssl.create_default_context(cafile=os.environ.get("SSL_CERT_FILE") or certifi.where())
     given = list(headers.items())
@@ -76,12 +77,23 @@ def checked(url: str) -> None:
         raise Refused("an address has neither name and password nor a fragment, and is not longer than 2000 letters")
 
 
+def refuse_private_number(url: str, private: Collection[str]) -> None:
+    """Refused for an address in numbers, however written, that nothing will be sent to. Names are looked up then."""
+    host = urlsplit(url).hostname or ""
+    try:
+        found = socket.getaddrinfo(host, None, flags=socket.AI_NUMERICHOST)
+    except (OSError, UnicodeError):
+        return
+    if host.casefold() not in private and not all(is_public(str(each[4][0])) for each in found):
+        raise Refused(f"{host} is a private address")
+
+
 @final
 class PublicNetwork(httpcore.NetworkBackend):
     """Connections to public addresses alone."""
 
     def __init__(self, private: Collection[str]) -> None:
-        self._private = {name.casefold() for name in private}
+        self._private = private
         self._network = httpcore.SyncBackend()
 
     def connect_tcp(
