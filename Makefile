@@ -26,7 +26,7 @@ help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
 
 $(READY): requirements.lock pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit("exogauge needs Python 3.11 or newer, this is " + sys.version.split()[0] + ": make PYTHON=python3.11 …" if sys.version_info < (3, 11) else 0)'
+	@$(PYTHON) -c 'import sys; sys.exit("exogauge needs Python 3.11 to 3.14, for which pinocchio has packages; this is " + sys.version.split()[0] + ": make PYTHON=python3.14 …" if not (3, 11) <= sys.version_info[:2] <= (3, 14) else 0)'
 	@echo "installing into $(VENV), which takes a minute or two and 2 GB …"
 	@$(PYTHON) -m venv $(VENV)
 	@sed -n '/^uv==/,/[^\\]$$/p' requirements.lock >$(VENV)/uv.lock && $(PIP) --require-hashes -r $(VENV)/uv.lock

@@ -124,6 +124,11 @@ def review(page: Page, study: str) -> Any:
     page.goto(f"{study}/summary")
     (job,) = page.request.get(f"/api/v1/jobs?study_id={study.rsplit('/', 1)[1]}").json()["items"]
     results = page.request.get(f"/api/v1/jobs/{job['id']}/results").json()
+    folded = [each for each in results["notices"] if each["short"] != each["sentence"]]
+    mind = page.get_by_role("region", name="To keep in mind")
+    expect(mind.locator("details")).to_have_count(len(folded))
+    for each in folded:
+        expect(mind.get_by_text(f"all {len(each['names'])}", exact=True).first).to_be_visible()
     parts = page.get_by_role("navigation", name="Parts of the review")
     parts.get_by_role("link", name="Identification").click()
     expect(page.get_by_label("Find a parameter")).to_be_visible()

@@ -18,6 +18,8 @@ def test_a_long_list_in_a_sentence_is_cut_and_kept_beside_it() -> None:
     assert "those of torso_yaw, r.arm[2], l_hip/roll and 5 more. Ask for" in said.short
     assert ", ".join(NAMES) in said.sentence
     assert said.names == NAMES
+    assert said.as_data()["short"] == said.short
+    assert said.as_data()["names"] == list(NAMES)
 
 
 def test_a_sentence_with_a_short_list_stays_as_it_is() -> None:

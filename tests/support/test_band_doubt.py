@@ -287,3 +287,21 @@ def test_what_one_log_errs_by_is_in_all_from_which_it_was_taken_off(shared):
         stated.append(score_covariance(logs, e, A)[0, 0])
     ratio = np.sqrt(np.mean(np.square(errors)) / np.median(stated))
     assert 0.8 < ratio < 1.1
+
+
+@pytest.mark.slow
+def test_errors_that_last_for_seconds_are_too_few_in_one_log_to_say_how_large_they_are():
+    """First half of one log against its second, of six alike: a log by itself holds few errors, which are small by
+    chance now and then, and then a difference looks sure."""
+    rng, n, rate, memory, stated = np.random.default_rng(5), 800, 40.0, 60.0, []
+    A = np.zeros((6 * n, 1, 1))
+    A[: n // 2], A[n // 2 : n] = 1.0, -1.0
+    kept = 1.0 - 1.0 / memory
+    nobody = {"used": np.ones((n, 1), dtype=bool), "sloped": np.zeros(0, dtype=int), "slope": None}
+    time, posture, places = np.arange(n) / rate, np.zeros((n, 1)), np.arange(n)
+    for _ in range(300):
+        errors = lfilter([1.0], [1.0, -kept], rng.normal(size=(6, n + 400)), axis=1)[:, 400:]
+        made = [WearLog(f"{k}", "any", time, posture, places, e[:, None], **nobody) for k, e in enumerate(errors)]
+        logs = WearLogs(made, np.arange(1), ["joint"])
+        stated.append(float(np.sqrt(score_covariance(logs, logs.torque, A)[0, 0])))
+    assert np.quantile(stated, 0.02) > 0.6 * np.median(stated)

@@ -192,6 +192,23 @@ def test_an_interval_holds_the_other_fit_too_where_the_residuals_do_not_tell_the
 
 
 @pytest.mark.slow
+def test_another_fit_counts_until_it_is_surely_worse_though_no_interval_holds_it_any_more():
+    motion, noise, beside = twisting(), 0.4, 0
+    soft, hard = pulled(motion, 80.0, 0.585), pulled(motion, 142.0, 0.663)
+    torque = 0.55 / 0.6 * hard + 0.45 * soft * np.sqrt(np.sum(hard**2) / np.sum(soft**2)) / 0.6
+    for seed in range(12):
+        noisy = torque + noise * np.random.default_rng(seed).normal(size=torque.shape)
+        samples = TorqueSamples(motion, noisy, np.full(torque.shape, noise**-2))
+        given, fit = setting(TWO, samples), fit_bands(TWO, samples)
+        found = profiles(given, fit, curved(fit))
+        low, high = found.interval(STIFFNESS, 0.0)
+        near, further = (found.of_other_fits(STIFFNESS, sure) for sure in (Z95, 6.0))
+        assert set(near) <= set(further)
+        beside += any(not low < each < high for each in further)
+    assert beside
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("declared", [True, False])
 def test_what_speaks_against_another_fit_is_as_large_as_declared_errors_make_it(declared):
     """The other one is true but for noise and an error along what the two say differently."""

@@ -322,6 +322,18 @@ def test_a_doubt_of_any_size_that_rounding_leaves_is_no_number_but_undecided():
     assert undecided(plan, {"scatter": np.diag([np.inf, np.nan, 1.0])}) == {"stiffness[a]", "natural_length[left]"}
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_bands_that_never_pull_have_no_stiffness_whatever_noise_looks_like(identified, suit, seed):
+    """A soft spring that is always taut suits any slow error; the true ones are as stiff as others, and slack."""
+    loose = replace(suit, bands=tuple(replace(band, natural_length=2.0) for band in suit.bands))
+    for band in identified(device=loose, noise=0.3, seed=1000 * seed).bands:
+        assert band.stiffness_interval == (0.0, np.inf)
+        assert np.isnan(band.stiffness.value)
+        assert band.note.about == About.PULLS_NOWHERE
+        assert (band.identifiable, band.length_identifiable) == (False, False)
+
+
 @pytest.mark.parametrize("noise", [1.0, 3.0])
 def test_one_band_that_pulls_for_two_is_no_stiffness(identified, suit, stoop, noise):
     """Two that run 1 cm beside each other: that one is slack and the other twice as stiff fits as well, and however

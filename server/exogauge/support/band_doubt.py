@@ -90,6 +90,9 @@ def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
     np.add.at(scores, number, each)
     by_blocks = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
     alone = by_autocovariance(logs.spans, logs.used, e, weighted)
+    rates = [_rate(logs, own) for own in logs.spans]
+    if max(rates) < 1.01 * min(rates):
+        alone = larger(alone, by_autocovariance(logs.spans, logs.used, e, weighted, pooled=True))
     shared = by_what_is_shared(_beside_each_other(logs), logs.used, e, weighted)
     return larger(larger(by_blocks, alone), alone + shared)
 

@@ -57,7 +57,9 @@ class Profiles:
         if index not in self._found:
             ends = [self._walked(index)]
             for rival, worse in self._rivals:
-                if self._share(index) * (rival.fitted.cost - self.fitted.cost) > Z95**2:  # or it is among these ends
+                if (
+                    worse < Z95**2 and self._share(index) * (rival.fitted.cost - self.fitted.cost) > Z95**2
+                ):  # or it is among these ends
                     ends.append(rival._walked(index, Z95**2 - worse))
             self._found[index] = self._widened(index, min(low for low, _ in ends), max(high for _, high in ends))
         return self._found[index]
@@ -71,13 +73,15 @@ class Profiles:
         skewed = self.covariance[k_at, k_at] >= (SKEWED * value) ** 2
         return self.interval(k_at, value), self.interval(l_at, 0.0 if skewed else stretch)
 
-    def of_other_fits(self, index: int) -> list[float]:
-        """The same value by fits that end elsewhere and are within the interval's level."""
+    def of_other_fits(self, index: int, sure: float) -> list[float]:
+        """The same value by fits that end elsewhere and are not surely worse. sure: standard deviations. Of a hundred
+        intervals five lie beside the truth, which is no reason for being off by half of it."""
         _, coarse = self._coarse
         shift = float(self.fitted.wear.springs[index]) - float(coarse.wear.springs[index])
-        as_good = [each for each in self._elsewhere if self._share(index) * (each.cost - coarse.cost) <= Z95**2]
+        as_good = [each for each in self._elsewhere if self._share(index) * (each.cost - coarse.cost) <= sure**2]
         ends = [float(each.wear.springs[index]) + shift for each in as_good]
-        return [*ends, *(float(rival.fitted.wear.springs[index]) for rival, _ in self._rivals)]
+        rivals = [rival for rival, worse in self._rivals if worse < sure**2]
+        return [*ends, *(float(rival.fitted.wear.springs[index]) for rival in rivals)]
 
     @cached_property
     def _found(self) -> dict[int, tuple[float, float]]:
@@ -104,9 +108,9 @@ class Profiles:
 
     @cached_property
     def _rivals(self) -> list[tuple[Profiles, float]]:
-        """Fits that end elsewhere and are not surely worse, each with a doubt of its own, and by how much they are:
-        twice the logarithm of the likelihood along what the two say differently. Declared errors bend both, so that
-        costs that differ by them say little."""
+        """Fits that end elsewhere, each with a doubt of its own, and by how much they are worse: twice the logarithm of
+        the likelihood along what the two say differently. Declared errors bend both, so that costs that differ by them
+        say little."""
         found, few = [(self, 0.0)], self._coarse[1].wear
         for each in self._elsewhere:
             if _alike(each.wear, few):
@@ -116,7 +120,7 @@ class Profiles:
                 continue
             other = Profiles(replace(self.seen, fitted=fitted), self.seen.covariance(fitted), self.beside)
             worse = max(self._against(fitted) ** 2 - other._against(self.fitted) ** 2, 0.0)
-            found += [(other, worse)] if worse < Z95**2 else []
+            found.append((other, worse))
         return found[1:]
 
     def _against(self, other: Fitted) -> float:

@@ -12,14 +12,18 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 
-def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weighted: Array) -> Array:
+def by_autocovariance(
+    spans: Sequence[slice], counts: BoolArray, e: Array, weighted: Array, pooled: bool = False
+) -> Array:
     """Σ gᵀ C g over logs and joints; g: (n, P) weighted slopes of a joint's torque, C: covariance of its errors, which
-    counts by its spectrum once no end of a log meets the other. counts, e: (N, D), weighted: (N, D, P)."""
+    counts by its spectrum once no end of a log meets the other. counts, e: (N, D), weighted: (N, D, P). pooled: errors
+    are alike in all logs: in one alone those that last for seconds are few, and may be small by chance."""
     P = weighted.shape[2]
     total, felt = np.zeros((P, P)), np.flatnonzero(weighted.any(axis=(0, 2)))
-    for span in spans:
-        used, errors = counts[span][:, felt], e[span][:, felt]
-        c = _autocovariances(np.where(used, errors, 0.0).T, used.T)
+    each = [(np.where(counts[span], e[span], 0.0)[:, felt].T, counts[span][:, felt].T) for span in spans]
+    alike = _cut_off(*(np.sum(part, axis=0) for part in _lags_of_all(each))) if pooled and each else None
+    for span, log in zip(spans, each, strict=True):
+        c = _autocovariances(*log) if alike is None else alike
         for joint, own in enumerate(c):
             total += _through(own, weighted[span][:, felt[joint]])
     return 0.5 * (total + total.T)
@@ -88,8 +92,23 @@ def autocovariance(errors: Array, used: BoolArray) -> Array:
 
 def _autocovariances(errors: Array, used: BoolArray) -> list[Array]:
     """Of every row of errors and used, (D, n)."""
-    n = errors.shape[1]
-    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[:, : max(n // 2, 1)] for x in (errors, used))
+    products, pairs = (part[0] for part in _lags_of_all([(errors, used)]))
+    return _cut_off(products, pairs)
+
+
+def _lags_of_all(logs: Sequence[tuple[Array, BoolArray]]) -> tuple[Array, Array]:
+    """(L, D, lags) sums of products of errors, and of pairs of samples, up to half of the longest log."""
+    most = max(max(errors.shape[1] // 2, 1) for errors, _ in logs)
+    found = np.zeros((2, len(logs), logs[0][0].shape[0], most))
+    for k, log in enumerate(logs):
+        n = log[0].shape[1]
+        for kind, x in enumerate(log):
+            found[kind, k, :, : max(n // 2, 1)] = np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[:, : max(n // 2, 1)]
+    return found[0], found[1]
+
+
+def _cut_off(products: Array, pairs: Array) -> list[Array]:
+    """Of every row of (D, lags), to where it is first not positive."""
     c: Array = products / np.maximum(pairs, 1.0)
     positive = np.cumprod(c > 0.0, axis=1)
     positive[:, 0] = 1

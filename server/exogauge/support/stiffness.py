@@ -15,6 +15,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.special import ndtri
 
 from exogauge.criteria.criterion import Z95
 from exogauge.criteria.supporting import Supporting
@@ -94,17 +95,33 @@ class Springs:
         slack = [int(each) for each in group if not np.isfinite(self.intervals(int(each))[1][1])]
         return tuple(self.bands[each].name for each in slack) if len(slack) < len(group) else ()
 
-    def other_stiffness(self, k: int, known: float) -> float | None:
-        """[N/m] of another fit that the logs contradict no more, furthest from this one; None where it is less off than
-        what counts as known. Of several bands one may pull for all, however sharp its fit."""
+    def may_be_slack(self, k: int, criteria: Supporting) -> bool:
+        """The logs do not surely contradict that no band of its group ever pulls: then any stiffness would do."""
+        wear, wires = self.seen.fitted.wear, self.seen.setting.wires
+        place = int(wear.layout.stiffness[k])
+        value, variance = float(wear.springs[place]), float(self.doubt[place, place])
+        if not np.isfinite(variance) or value > 3.0 * self._sure(criteria) * np.sqrt(variance):  # needs no other fit
+            return False
+        group = np.flatnonzero(wear.layout.stiffness == place)
+        slack = {int(wear.layout.natural_length[b]): max(wires[b].longest for b in group) for b in group}
+        share = min(float(inverted(self.seen.fitted.hessian)[place, place]) / max(variance, 1e-300), 1.0)
+        return share * (fit(self.seen.setting, wear, slack).cost - self.seen.fitted.cost) <= self._sure(criteria) ** 2
+
+    def other_stiffness(self, k: int, criteria: Supporting) -> float | None:
+        """[N/m] of another fit that the logs do not surely contradict, furthest from this one; None where it is less
+        off than what counts as known. Of several bands one may pull for all, however sharp its fit."""
         layout = self.seen.fitted.wear.layout
         place = int(layout.stiffness[k])
         value, std = float(self.seen.fitted.wear.springs[place]), float(np.sqrt(self.doubt[place, place]))
         if not np.isfinite(std) or (std < SKEWED * value and np.sum(layout.stiffness == place) == 1):
             return None
-        others = self._profiles.of_other_fits(place)
+        others = self._profiles.of_other_fits(place, self._sure(criteria))
         furthest = max(others, key=lambda other: abs(np.log(max(other, SHORTEST) / value)), default=value)
-        return furthest if abs(furthest - value) > known * min(furthest, value) else None
+        return furthest if abs(furthest - value) > criteria.known * min(furthest, value) else None
+
+    def _sure(self, criteria: Supporting) -> float:
+        """Standard deviations by which another fit is worse that is surely not it."""
+        return -float(ndtri(0.5 * criteria.false_alarms))
 
     @cached_property
     def _profiles(self) -> Profiles:
@@ -218,8 +235,7 @@ def identify_bands(
         device=device.name,
         approach=approach,
         bands=tuple(
-            _estimate(band, k, springs, edge[k], criteria.known, named is not None)
-            for k, band in enumerate(device.bands)
+            _estimate(band, k, springs, edge[k], criteria, named is not None) for k, band in enumerate(device.bands)
         ),
         parameters=names,
         correlation=correlation,
@@ -338,10 +354,10 @@ def _estimate(
     k: int,
     springs: Springs,
     edge: tuple[str, ...],
-    known: float,
+    criteria: Supporting,
     with_effects: bool,
 ) -> BandEstimate:
-    seen, blind = springs.seen, springs.blind
+    seen, blind, known = springs.seen, springs.blind, criteria.known
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
     own = int(plan.stiffness[k]), int(plan.natural_length[k])
@@ -349,11 +365,14 @@ def _estimate(
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
     k_interval, l_interval = springs.intervals(k)
+    if springs.may_be_slack(k, criteria):
+        stiffness, length = (replace(each, value=np.nan, std=np.inf, parts={}) for each in (stiffness, length))
+        k_interval, l_interval, blind, pulls = (0.0, np.inf), (0.0, np.inf), blind | set(names), False
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
     l_known = length.std <= known * stretch and np.isfinite(l_interval[1]) and not edge
-    other = springs.other_stiffness(k, known) if k_known or l_known else None
+    other = springs.other_stiffness(k, criteria) if k_known or l_known else None
     slack = springs.slack_beside(k) if k_known else ()
     return BandEstimate(
         band=band.name,

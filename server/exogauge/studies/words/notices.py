@@ -43,6 +43,7 @@ class Notice:
         return {
             "code": self.code,
             "sentence": self.sentence,
+            "short": self.short,
             "names": list(facts.names) if facts else [],
             "each": [list(each) for each in facts.each] if facts else [],
             "beside": list(facts.beside) if facts else [],

@@ -25,7 +25,7 @@ export function StiffnessSection({ results }: { results: Results }) {
           Stiffness and natural length of the bands
         </Title>
         <Text size="sm" c="dimmed">
-          ± is one standard deviation, the interval holds 95 of 100. {truth && "Error: against the true value, which this device file knows. "}
+          Stiffness is the slope of pull over stretch in these motions, of a band with the straps that it hangs on. ± is one standard deviation, the interval holds 95 of 100. {truth && "Error: against the true value, which this device file knows. "}
           “Not decided” means that these motions leave it open.
         </Text>
       </div>

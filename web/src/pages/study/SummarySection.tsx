@@ -93,11 +93,13 @@ export function SummarySection({ study, results }: { study?: Study; results: Res
           <List size="sm" spacing={4} style={{ maxWidth: "70rem" }}>
             {skipped.map((each) => (
               <List.Item key={each.step}>
-                {STEPS[each.step]?.[0] ?? each.step} was skipped: {each.reason}
+                {STEPS[each.step]?.[0] ?? each.step}: skipped, {each.reason}
               </List.Item>
             ))}
-            {results.warnings.map((warning) => (
-              <List.Item key={warning}>{warning}</List.Item>
+            {results.warnings.map((warning, k) => (
+              <List.Item key={warning}>
+                <Warning sentence={warning} notice={results.notices?.[k]} />
+              </List.Item>
             ))}
           </List>
         </section>
@@ -150,5 +152,19 @@ function Fact({ name, about, data, children }: FactProps) {
         {children}
       </Text>
     </dl>
+  );
+}
+
+/** A long list of names is folded away behind the first few. */
+function Warning({ sentence, notice }: { sentence: string; notice?: NonNullable<Results["notices"]>[number] }) {
+  if (!notice?.short || notice.short === sentence) return sentence;
+  return (
+    <>
+      {notice.short}
+      <details>
+        <summary>all {notice.names.length}</summary>
+        {sentence}
+      </details>
+    </>
   );
 }

@@ -108,6 +108,7 @@ class Notice(Part):
 
     code: str = Field(description="what it is about")
     sentence: str = Field(description="with all names")
+    short: str = later("the same, of more than six names with the first few")
     names: list[str] = Field(description="joints, links, logs, bands or parameters that it is about")
     each: list[list[Number]] = Field(description="numbers of each name that its sentence tells; may be empty")
     beside: list[str] = Field(description="other names of its sentence")
