@@ -17,11 +17,11 @@ import math
 import re
 import time
 from dataclasses import replace
+from functools import partial
 from typing import final
 
 from sqlalchemy.engine import Connection
 from starlette._utils import get_route_path
-from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
@@ -30,6 +30,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from exogauge.api.dependencies import CALLER
 from exogauge.api.problems import of_error, problem_response
 from exogauge.api.rights import SAFE, refusal, right_of
+from exogauge.api.threads import in_short_thread
 from exogauge.errors import Unavailable
 from exogauge.storage import callers
 from exogauge.storage.callers import Caller
@@ -69,7 +70,7 @@ class Access:
         method = scope.get("method", WEBSOCKET)
         right = right_of(method, get_route_path(scope))
         try:
-            scope[CALLER] = caller = await run_in_threadpool(self.who, scope)
+            scope[CALLER] = caller = await in_short_thread(self.who, scope)
         except Unavailable as error:
             await of_error(error, scope["path"])(scope, receive, send)
             return
@@ -114,7 +115,7 @@ class Access:
     async def still(self, scope: Scope) -> bool:
         """A database that is away ends nothing."""
         try:
-            now = await (run_in_threadpool(self.who, scope) if scope[CALLER].guest else self.lately(scope))
+            now = await (in_short_thread(self.who, scope) if scope[CALLER].guest else self.lately(scope))
         except Unavailable:
             return True
         right = right_of(scope.get("method", WEBSOCKET), get_route_path(scope))
@@ -129,7 +130,8 @@ class Access:
         name, now = hashed(key), time.monotonic()
         at, caller = self._seen.get(name, (-math.inf, None))
         if now - at > SHARED_S:
-            caller = await run_in_threadpool(self.looked_up, scope, key, by_token, as_guest=False)
+            look = partial(self.looked_up, as_guest=False)
+            caller = await in_short_thread(look, scope, key, by_token)
             self._seen = {each: kept for each, kept in self._seen.items() if now - kept[0] <= SHARED_S}
             self._seen[name] = now, caller
         return caller

@@ -25,6 +25,7 @@ from exogauge.api.dependencies import (
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf, State
+from exogauge.api.threads import short
 from exogauge.errors import BadInput, Fault
 from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
@@ -169,6 +170,7 @@ def submit_job(wanted: JobRequest, request: Request, response: Response, store: 
 
 
 @router.get("/jobs", operation_id="listJobs")
+@short
 def list_jobs(
     store: ReaderDep,
     cursor: Cursor,
@@ -187,6 +189,7 @@ def list_jobs(
 
 
 @router.get("/jobs/{job_id}", operation_id="getJob")
+@short
 def get_job(job_id: Id, store: ReaderDep) -> JobOut:
     """With its log."""
     return JobOut.of(store.jobs.get(str(job_id)), store.session, with_log=True)

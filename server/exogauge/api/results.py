@@ -16,6 +16,7 @@ from exogauge.api.dependencies import Id, Limit, ReaderDep
 from exogauge.api.lists import Mark, part
 from exogauge.api.routing import Router
 from exogauge.api.shapes import ArtifactList, ArtifactOut
+from exogauge.api.threads import short
 from exogauge.errors import BadInput, Fault
 from exogauge.storage.blobs import BlobStore, chunks
 from exogauge.storage.jobs import RESULTS
@@ -62,6 +63,7 @@ def get_job_results(job_id: Id, store: ReaderDep, request: Request) -> Response:
 
 
 @router.get("/jobs/{job_id}/artifacts", operation_id="listArtifacts")
+@short
 def list_artifacts(job_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> ArtifactList:
     """By name."""
     items, more = part(store.results.artifacts(str(job_id)), lambda each: (each.name,), after, limit)

@@ -19,6 +19,7 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import Scope
 
 from exogauge.api.reading import AnyQuery, Route
+from exogauge.api.threads import SHORT, in_short_thread
 from exogauge.storage.store import Store, whole
 
 PREFIX = "/api/v1"
@@ -43,13 +44,15 @@ def in_one_transaction(endpoint: Callable[..., Any]) -> Callable[..., Any]:
     if inspect.iscoroutinefunction(endpoint):
         raise TypeError(f"{endpoint.__name__} would wait for the database in the event loop")
 
+    run = in_short_thread if getattr(endpoint, SHORT, False) else run_in_threadpool
+
     def within(store: Store, given: dict[str, Any]) -> Any:
         with whole(store):
             return endpoint(store=store, **given)
 
     @wraps(endpoint)
     async def answer(*, store: Store, **given: Any) -> Any:
-        return await run_in_threadpool(within, store, given)
+        return await run(within, store, given)
 
     return answer
 

@@ -26,6 +26,7 @@ from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.routing import Router
 from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
+from exogauge.api.threads import short
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
 from exogauge.storage.accounts import Accounts
@@ -63,6 +64,7 @@ def create_study(
 
 
 @router.get("/studies", operation_id="listStudies")
+@short
 def list_studies(
     store: ReaderDep,
     cursor: Cursor,
@@ -87,6 +89,7 @@ def list_studies(
 
 
 @router.get("/studies/{study_id}", operation_id="getStudy")
+@short
 def get_study(study_id: Id, store: ReaderDep, caller: CallerDep) -> StudyOut:
     answer = shown(store, store.studies, str(study_id), StudyOut)
     answer.shared_by = Accounts(store.session).lab(store.lab_id).name if caller.guest else None
