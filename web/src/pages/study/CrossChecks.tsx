@@ -45,7 +45,7 @@ export function CrossChecks({ device, checks }: { device: string; checks: Stiffn
               </Table.Td>
               <Table.Td data-number>{isNumber(each.z) ? fixed(each.z, 1) : NONE}</Table.Td>
               <Table.Td data-number>{isNumber(each.limit) ? fixed(each.limit, 1) : NONE}</Table.Td>
-              <Table.Td>{each.agrees ? "" : "do not agree"}</Table.Td>
+              <Table.Td>{each.agrees ? (worst(each) > 1 ? "too small to matter" : "") : "do not agree"}</Table.Td>
             </Table.Tr>
           ))}
       </WideTable>
