@@ -156,6 +156,9 @@ def test_where_nothing_can_be_written_is_told_before_the_work(tmp_path, capsys):
             said = capsys.readouterr().err
             assert str(out) in said
             assert "nowhere" not in said
+    assert main(["run", "nowhere", "--out", str(tmp_path / "new" / "below")]) == 2
+    assert "nowhere" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists(), "a refusal leaves no folder behind"
 
 
 def test_a_disk_that_fills_is_told_without_a_traceback(tmp_path, capsys, monkeypatch):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
 
@@ -33,17 +34,24 @@ def refuse_no_place(out: Path | None) -> None:
 
 
 def refuse_no_folder(out: Path | None) -> None:
-    """The same for a folder, which is made. Raises BadInput."""
+    """The same for a folder, which is made and taken away again: nothing is left where a command refuses later. Raises
+    BadInput."""
     if out is None:
         return
+    missing = [each for each in (out, *out.parents) if not each.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
+        writable = os.access(out, os.W_OK)
     except FileExistsError:
         raise BadInput(Fault("this is a file", "no_place", "Name a folder with --out", str(out))) from None
     except OSError as error:
         advice = "Name another place with --out"
         raise BadInput(Fault(f"it cannot be made: {error.strerror}", "no_place", advice, str(out))) from error
-    if not os.access(out, os.W_OK):
+    finally:
+        for each in missing:
+            with suppress(OSError):  # it was not made, or somebody has put something there
+                each.rmdir()
+    if not writable:
         raise BadInput(Fault("nothing may be written in it", "no_place", "Name another one with --out", str(out)))
 
 
