@@ -47,7 +47,7 @@ def test_the_likelihood_is_that_of_the_written_model(other_bodies):
     load, spread = rng.normal(size=N), 0.1 * rng.normal(size=(N, 5))
     dq, ddq = rng.normal(size=N), rng.normal(size=N)
     effort = 1.3 * load + 0.4 * np.sign(dq) - 0.2 + 0.05 * rng.normal(size=N)
-    fit = AxisFit(load, spread, dq, ddq, np.ones(N, dtype=bool), criteria)
+    fit = AxisFit(load, spread, dq, np.sign(dq), ddq, np.ones(N, dtype=bool), criteria)
     found = fit.likelihood(effort, other_bodies=other_bodies)
     rms = np.sqrt(np.mean(effort**2))
     Z = np.column_stack([dq, np.sign(dq), ddq, np.ones(N)])

@@ -107,3 +107,42 @@ def test_one_late_log_among_others_of_another_rate_raises_no_exception(made: tup
     robot, logs = made
     half = {name: values[::3] for name, values in logs[0].items()}
     assert said(robot, [half, *logs[1:]]) == []
+
+
+def _creeping(columns: dict[str, np.ndarray], amperes: float, way: float) -> dict[str, np.ndarray]:
+    """With friction of bristles that turn round over such a way (Dahl)."""
+    rubs = dict(columns)
+    for name in JOINTS:
+        steps, bristle = np.diff(columns[f"q.{name}"], prepend=columns[f"q.{name}"][0]) / way, 0.0
+        borne = np.zeros(len(steps))
+        for k, step in enumerate(steps):
+            bristle = np.sign(step) + (bristle - np.sign(step)) * np.exp(-abs(step))
+            borne[k] = bristle
+        rubs[f"i.{name}"] = columns[f"i.{name}"] + amperes * borne
+    return rubs
+
+
+@pytest.mark.slow
+def test_joints_that_creep_are_of_no_other_clock(made: tuple[Robot, Logs]) -> None:
+    """One log of them was told to be 180 ms late, and spoiled."""
+    robot, logs = made
+    found = examine_against_robot(robot, [as_log(k, _creeping(each, 2.0, 0.06)) for k, each in enumerate(logs)])
+    assert not [each for _, each in found if each.rule in ("effort_clock", "effort_delay")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", [0.005, 0.03])
+def test_friction_that_creeps_is_told_beside_a_delay_that_all_logs_share(made: tuple[Robot, Logs], way: float) -> None:
+    robot, logs = made
+    (finding,) = said(robot, [_creeping(each, 0.3, way) for each in logs])
+    assert finding.rule == "effort_delay"
+    assert "creep" in finding.advice
+
+
+@pytest.mark.slow
+def test_a_log_of_another_clock_is_told_although_joints_creep(made: tuple[Robot, Logs]) -> None:
+    robot, logs = made
+    creeping = [_creeping(each, 0.1, 0.005) for each in logs]
+    shifted = [late(each, 0.5) if k == 1 else each for k, each in enumerate(creeping)]
+    found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(shifted)]))
+    assert [(log, each.rule) for log, each in found] == [("log_1", "effort_clock")]

@@ -223,6 +223,12 @@ class Comparing:
         "since its last turn, from which on a joint slides: before, friction is a spring, and bears what it is asked",
         judgement("docs/doctor.md: gears creep by 0.3 to 5 mrad before they slide"),
     )
+    bristles: tuple[float, ...] = criterion(
+        (0.003, 0.01, 0.03),
+        "rad or m",
+        "ways over which friction may turn round, tried where efforts seem late: it comes late by itself",
+        judgement("gears creep by .3 to 5 mrad before they slide, belts and cables further"),
+    )
     fewest: int = criterion(
         20,
         "moments",

@@ -58,7 +58,8 @@ class AxisFit:
     where no gravity does.
 
     load: (N,) [N·m] that the description expects. spread: (N, P) what each parameter's std moves of it.
-    velocity, acceleration: (N,) of the axis. moving: (N,) bool, the moments that count.
+    velocity, acceleration: (N,) of the axis. direction: (N,) of Coulomb friction, sgn dq where a joint slides. moving:
+    (N,) bool, the moments that count.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class AxisFit:
         load: Array,
         spread: Array,
         velocity: Array,
+        direction: Array,
         acceleration: Array,
         moving: NDArray[np.bool_],
         criteria: Comparing,
@@ -74,7 +76,7 @@ class AxisFit:
         m = moving
         self._lambda, U = np.linalg.eigh(spread[m] @ spread[m].T)
         self._lambda = np.maximum(self._lambda, 0.0)
-        Z = np.column_stack([velocity, np.sign(velocity), acceleration, np.ones_like(velocity)])[m]
+        Z = np.column_stack([velocity, direction, acceleration, np.ones_like(velocity)])[m]
         size = np.sqrt(np.mean(Z**2, axis=0)) if m.any() else np.ones(4)
         self._Z = np.ascontiguousarray(U.T @ (Z / np.where(size > 1e-9, size, np.inf)))
         self._L, self._U = U.T @ load[m], U

@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 class Delay:
     """seconds: > 0 late. axes: alike so. before, after: of the first one, share of its effort that is left.
 
-    log: the only one that is so; empty where all are. far: later than drives and buses are, or earlier.
+    log: the only one that is so; empty where all are. far: later than drives and buses are, or earlier. or_friction:
+    friction that turns round over a longer way than joints slide by explains as much.
     """
 
     seconds: float
@@ -32,6 +33,7 @@ class Delay:
     after: float
     log: str = ""
     far: bool = False
+    or_friction: bool = False
 
 
 def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
@@ -40,7 +42,7 @@ def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
     Where there is none in all logs: logs whose efforts are of another clock, on most of the axes at once.
     """
     alike = [each for each in _of_all_logs([one.in_any_motion() for one in expected]) if _gains_sliding(expected, each)]
-    yield from alike
+    yield from (replace(each, or_friction=not _gains_over_bristles(expected, each)) for each in alike)
     for each in () if alike else expected:
         other = of_another_clock(each)
         if other is not None:
@@ -74,6 +76,22 @@ def _gains_sliding(expected: Sequence[Expected], found: Delay) -> bool:
     return bool(telling) and float(np.interp(found.seconds, lags, gain)) > expected[0].seen.criteria.delay
 
 
+def _gains_over_bristles(expected: Sequence[Expected], found: Delay) -> bool:
+    """Whether all that moves asks for it as surely, were friction a bristle of whatever way."""
+    criteria = expected[0].seen.criteria
+    ways = [[each.in_any_motion().with_friction_over(way) for each in expected] for way in (0.0, *criteria.bristles)]
+
+    def likeliest(axis: int, seconds: float) -> float:
+        each_way = list[float]()
+        for own in ways:
+            telling = [each for each in own if each.tells(axis)]
+            late = [each.late_likelihood(axis, int(np.argmin(np.abs(each.seen.lags - seconds)))) for each in telling]
+            each_way.append(together(late, criteria.as_good_as).described)
+        return max(each_way)
+
+    return sum(likeliest(axis, found.seconds) - likeliest(axis, 0.0) for axis in found.axes) > criteria.delay
+
+
 def _believed(found: Delay, criteria: Comparing) -> bool:
     """A wrong model gains by a shift as well: of a long one more is asked."""
     return not found.far or found.after <= criteria.delay_far_falls * found.before
@@ -93,7 +111,7 @@ def of_another_clock(expected: Expected) -> Delay | None:
     found = _sure(lags, profiles, expected.seen.rate_hz, criteria) if profiles else None
     if found is None or 2 * len(found.axes) < len(axes) or not _believed(found, criteria):
         return None
-    if not _gains_sliding([sliding], found):
+    if not (_gains_sliding([sliding], found) and _gains_over_bristles([sliding], found)):
         return None
     return replace(found, log=expected.seen.log)
 

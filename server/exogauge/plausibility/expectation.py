@@ -40,7 +40,7 @@ class Expected:
         outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, axes] if robot.contacts else 0.0
         self.load = np.stack(load, axis=1) - outside
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
-        self.moving = sliding(robot, seen) if moving is None else moving
+        self.moving, self._over = sliding(robot, seen) if moving is None else moving, 0.0
         self.effort = on_axes(robot, seen.effort)
         self._fits: dict[int, AxisFit] = {}
         self._known: dict[tuple[int, float, bool], Likelihood] = {}
@@ -54,11 +54,20 @@ class Expected:
                 self.load[:, axis],
                 self._spread[axis],
                 velocity,
+                self._direction(axis),
                 acceleration,
                 self.moving[:, axis],
                 self.seen.criteria,
             )
         return self._fits[axis]
+
+    def _direction(self, axis: int) -> Array:
+        """(N,) of Coulomb friction: from one side to the other while a joint goes on from its last turn."""
+        sign = np.sign(self._velocity[:, axis])
+        if not self._over:
+            return np.asarray(sign)
+        way = way_of_axes(self.robot, self.seen.way)[:, axis]
+        return np.asarray(sign * (1.0 - 2.0 * np.exp(-way / self._over)))
 
     def tells(self, axis: int) -> bool:
         """Its effort is logged, and it moves in enough of the moments."""
@@ -105,6 +114,12 @@ class Expected:
         other = copy(self)
         other.moving, other._fits, other._known, other._late = moving, {}, {}, {}
         other._any_motion = None
+        return other
+
+    def with_friction_over(self, way: float) -> Expected:
+        """The same, were friction a bristle that turns round over such a way [rad or m] (Dahl, 1968)."""
+        other = self.at(self.moving)
+        other._over = way
         return other
 
     def with_other_bodies(self, axis: int, sign: float) -> Likelihood:

@@ -143,6 +143,11 @@ def as_delayed(robot: Robot, delay: Delay) -> Finding:
         advice = "is it of another clock? In a mapping name its file once more, with a `delay_s`"
     elif delay.seconds < 0.0:
         advice += "; is it the commanded torque, not the measured one?"
+    if delay.or_friction:
+        advice = (
+            f"these logs do not tell it from gears or cables that creep before they slide, whose friction comes late "
+            f"by itself: tap the robot and see which stream tells it first; if it is the clock, {advice}"
+        )
     return Finding("warning", names[0], EFFORT_DELAY, detail, advice, value=delay.seconds)
 
 
