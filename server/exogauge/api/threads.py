@@ -13,7 +13,8 @@ from typing import TypeVar
 from anyio import CapacityLimiter, to_thread
 from anyio.lowlevel import RunVar
 
-# docs/measured/capacity.md: as many as ask cost a sixth more; fewer wait in turn for a database that is away
+# Of how a server answers, not of what a run finds. docs/measured/capacity.md: as many as ask cost a sixth more; fewer
+# wait in turn for a database that is away
 AT_ONCE = 8
 SHORT = "exogauge_short"  # attribute of an endpoint
 Answer = TypeVar("Answer")

@@ -79,7 +79,8 @@ def _gains_sliding(expected: Sequence[Expected], found: Delay) -> bool:
 def _gains_over_bristles(expected: Sequence[Expected], found: Delay) -> bool:
     """Whether all that moves asks for it as surely, were friction a bristle of whatever way."""
     criteria = expected[0].seen.criteria
-    ways = [[each.in_any_motion().with_friction_over(way) for each in expected] for way in (0.0, *criteria.bristles)]
+    stiff = [each.in_any_motion() for each in expected]
+    ways = [stiff, *([each.with_friction_over(way) for each in stiff] for way in criteria.bristles)]
 
     def likeliest(axis: int, seconds: float) -> float:
         each_way = list[float]()

@@ -121,7 +121,7 @@ def _beside_each_other(logs: WearLogs) -> list[list[tuple[slice, int]]]:
     """As `by_what_is_shared` asks: of logs that were kept at one rate."""
     found = list[list[tuple[slice, int]]]()
     for group in logs.partners:
-        rates, begins = ([of(logs, k) for k in group] for of in (lambda logs, k: _rate(logs, logs.spans[k]), _begins))
+        rates, begins = [_rate(logs, logs.spans[k]) for k in group], [_begins(logs, k) for k in group]
         if len(group) > 1 and max(rates) < 1.01 * min(rates):
             at = [round((begin - min(begins)) * rates[0]) for begin in begins]
             found.append([(logs.spans[k], each) for k, each in zip(group, at, strict=True)])

@@ -57,9 +57,8 @@ class Profiles:
         if index not in self._found:
             ends = [self._walked(index)]
             for rival, worse in self._rivals:
-                if (
-                    worse < Z95**2 and self._share(index) * (rival.fitted.cost - self.fitted.cost) > Z95**2
-                ):  # or it is among these ends
+                among = self._share(index) * (rival.fitted.cost - self.fitted.cost) <= Z95**2  # these ends already
+                if worse < Z95**2 and not among:
                     ends.append(rival._walked(index, Z95**2 - worse))
             self._found[index] = self._widened(index, min(low for low, _ in ends), max(high for _, high in ends))
         return self._found[index]
