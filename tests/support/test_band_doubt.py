@@ -17,10 +17,11 @@ from exogauge.support.band_doubt import blocks, score_covariance
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import WearLog, WearLogs, band_wires, rows_with
+from exogauge.support.band_rows import WearLog, WearLogs, band_wires
 from exogauge.support.coloured import autocovariance
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.evidence import Nothing
+from exogauge.support.rows_of_approach import rows_with
 from exogauge.support.settings import PlainLog, WornLog
 from exogauge.support.stiffness import fit_springs, identify_bands
 

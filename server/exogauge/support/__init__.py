@@ -5,7 +5,8 @@
 - `coloured`, `drift`, `zeros`: errors that last, what motors gave and feet read in every log of a session
 - `inputs`, `evidence`, `effort`, `phases`, `peak`, `repeatability`, `best`, `summary`: numbers of a motion, their
   doubt, the best
-- `band_rows`, `band_model`, `band_nuisances`, `band_weights`, `band_fit`: bands fitted to supporting torques
+- `rows_of_approach`, `band_rows`, `band_model`, `band_nuisances`, `band_weights`, `band_fit`: bands fitted to
+  supporting torques
 - `band_inputs`, `band_doubt`, `band_interval`, `named_laws`, `stiffness`, `cross_checks`, `of_bands`, `worn_weight`:
   what their springs are, how sure, whether that agrees, whether it is theirs at all, and what is worn beside them
 - `evaluate`, `result`: the recipe and its answer

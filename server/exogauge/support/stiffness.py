@@ -40,11 +40,12 @@ from exogauge.support.band_model import (
     fit,
     thinned,
 )
-from exogauge.support.band_rows import band_wires, rows_with, rows_without
+from exogauge.support.band_rows import band_wires
 from exogauge.support.band_weights import rms
 from exogauge.support.cross_checks import within
 from exogauge.support.evidence import Evidence, Nothing
 from exogauge.support.named_laws import numbers, sharpness
+from exogauge.support.rows_of_approach import rows_with, rows_without
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -15,9 +15,10 @@ from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, fit_device, starts
 from exogauge.support.band_inputs import nuisance_torques
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import WearLogs, band_wires, rows_with, stretches, taut
+from exogauge.support.band_rows import WearLogs, band_wires, stretches, taut
 from exogauge.support.inputs import Doubts, Inputs, sloped_samples, variance_of_mean
 from exogauge.support.repeatability import Plain, repeatability
+from exogauge.support.rows_of_approach import rows_with
 from exogauge.support.same_motion import Posture
 from exogauge.support.settings import SupportSettings
 

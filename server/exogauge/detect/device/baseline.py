@@ -16,10 +16,11 @@ from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
 from exogauge.support.band_fit import USUAL_STIFFNESS, BandFit, null_test
 from exogauge.support.band_model import Fitted, Setting, Wear, believed, declared_laws, each_its_own, fit
-from exogauge.support.band_rows import WearLogs, band_wires, rows_with, rows_without
+from exogauge.support.band_rows import WearLogs, band_wires
 from exogauge.support.band_weights import LEAST_SIGMA, memories, spread, weights
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Evidence
+from exogauge.support.rows_of_approach import rows_with, rows_without
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
